@@ -50,6 +50,15 @@ def travels(machine: LayoutMachine) -> Travels:
     return Travels(*spool_edges(valve), valve.knots[-1])
 
 
+Borders = Callable[[str], list[float]]  # travels, rising, at which the networks of a function are parted
+
+
+def known_borders(machine: LayoutMachine) -> Borders:
+    """Where the orifices of all valves open and their bypasses close."""
+    deadband, bypass_closed, _ = travels(machine)
+    return lambda name: [deadband, bypass_closed]
+
+
 def pressure_boxes(machine: LayoutMachine, below: float = 0.0) -> dict[str, tuple[float, float]]:
     """Pressures of each line, up to its own relief setting or that of its pump less `below` Pa."""
     return {
@@ -106,11 +115,12 @@ def learn_direct(machine: LayoutMachine, progress: Progress = quiet) -> list[Mod
     return [found.model]
 
 
-def learn_outlets(machine: LayoutMachine) -> list[Model]:
-    """Conductance of each outlet from the spool (Eq. 7)."""
-    opens, shut, end = travels(machine)
+def learn_outlets(machine: LayoutMachine, borders: Borders | None = None) -> list[Model]:
+    """Conductance of each outlet from the spool (Eq. 7), parted at `known_borders` if no others are given."""
+    at, end = borders or known_borders(machine), travels(machine).end
     models = []
     for f in machine.functions:
+        cuts = at(f.name)
         output, inputs = outlet(f.name)[0]
         high = max(f.valve.outlet_positive + f.valve.outlet_negative)
 
@@ -118,7 +128,7 @@ def learn_outlets(machine: LayoutMachine) -> list[Model]:
             return outlet_at(valve, X[:, 0])
 
         found = learn_from(
-            conductance, [(-end, end)], tolerance=1e-3 * high, edges={0: [-shut, -opens, opens, shut]}, rows=300,
+            conductance, [(-end, end)], tolerance=1e-3 * high, rows=300, edges={0: [*(-x for x in reversed(cuts)), *cuts]},
             estimator=AbductiveRegressor(max_layers=1, kinds=("single",), output_bounds=(0.0, high)),
             inputs=inputs, output=output, random_state=SEED,
         )  # fmt: skip

@@ -18,8 +18,10 @@ from polydraulic.flow.training.circuit_models import (
     BOTH,
     SEED,
     SERIES,
+    Borders,
     Target,
     input_flow,
+    known_borders,
     pressure_boxes,
     travels,
 )
@@ -65,6 +67,7 @@ class Effort(NamedTuple):
     finer_rows: int | None = None
 
 
+SWING_IN: Place = (q_in("swing"), BOTH)
 FINE = units.to_si(0.07, "in3/s")
 OF_TWO = Effort(FINE, 64, 1500)
 OF_THREE = Effort(FINE, 48, 1500, AbductiveRegressor(max_layers=4, carve=False), 2000)
@@ -81,11 +84,12 @@ def learn_inlets(machine: LayoutMachine, progress: Progress = quiet) -> list[Mod
     progress : Progress, optional
         Told the output and its largest error so far in m3/s, and how many points have been asked.
     """
+    borders = known_borders(machine)
     flows = [
-        _learn(_boom(machine, at_constant_flow(machine, "boom"), BOOM_IN), OF_TWO, progress),
-        _learn(_series(machine, at_constant_flow(machine, "series"), (q_in("swing"), BOTH)), OF_FOUR, progress),
+        learn_mode(boom_target(machine, at_constant_flow(machine, "boom"), BOOM_IN, borders), OF_TWO, progress),
+        learn_mode(series_target(machine, at_constant_flow(machine, "series"), SWING_IN, borders), OF_FOUR, progress),
     ]
-    return [*flows, *(_learn_k_in(machine, circuit) for circuit in ("boom", "series"))]
+    return [*flows, *(learn_k_in(machine, circuit, borders) for circuit in ("boom", "series"))]
 
 
 def learn_cascade(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
@@ -96,9 +100,14 @@ def learn_cascade(machine: LayoutMachine, progress: Progress = quiet) -> list[Mo
     machine, progress
         As for `learn_inlets`.
     """
+    return [learn_mode(target, OF_THREE, progress) for target in stick_targets(machine, known_borders(machine))]
+
+
+def stick_targets(machine: LayoutMachine, borders: Borders) -> list[Target]:
+    """The stick's flow, of what reaches its valve, and with the relief valve open."""
     series, valve = machine.circuit("series"), machine.function("stick").valve
     free, open_ = at_constant_flow(machine, "series"), at_relief(machine, "series")
-    flow, relief, (*cuts, full) = series.pump.flow, series.pump.relief, travels(machine)
+    flow, relief, (_, bypass_closed, full) = series.pump.flow, series.pump.relief, travels(machine)
     pressure = pressure_boxes(machine)
 
     def at_open(X: np.ndarray) -> np.ndarray:
@@ -109,13 +118,13 @@ def learn_cascade(machine: LayoutMachine, progress: Progress = quiet) -> list[Mo
 
     stick = Target(
         *inlet(series, "stick")[0], lambda X: sample_valves([valve], free, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0],
-        [(0.0, flow), (0.0, full), pressure["stick"]], {"stick.travel": cuts}, flow,
+        [(0.0, flow), (0.0, full), pressure["stick"]], {"stick.travel": borders("stick")}, flow,
     )  # fmt: skip
     stick_relief = Target(
-        *second_at_relief(series), at_open, [(0.0, cuts[1]), (0.0, full), (0.0, float(np.sqrt(relief)))],
-        {"swing.travel": cuts[:1], "stick.travel": cuts}, flow,
+        *second_at_relief(series), at_open, [(0.0, bypass_closed), (0.0, full), (0.0, float(np.sqrt(relief)))],
+        {"swing.travel": [x for x in borders("swing") if x < bypass_closed], "stick.travel": borders("stick")}, flow,
     )  # fmt: skip
-    return [_learn(target, OF_THREE, progress) for target in (stick, stick_relief)]
+    return [stick, stick_relief]
 
 
 def learn_limited(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
@@ -126,41 +135,41 @@ def learn_limited(machine: LayoutMachine, progress: Progress = quiet) -> list[Mo
     machine, progress
         As for `learn_inlets`. The law of the limit counts, whether it is enabled or not.
     """
-    law, series = at_torque_limit(machine, "series"), machine.circuit("series")
-    swing, stick = (_series(machine, law, inlet_limited(series, name)) for name in SERIES)
+    law, series, borders = at_torque_limit(machine, "series"), machine.circuit("series"), known_borders(machine)
+    swing, stick = (series_target(machine, law, inlet_limited(series, name), borders) for name in SERIES)
     # past the closing of the swing's bypass nothing reaches the stick
     stick = stick._replace(
         box=[(0.0, travels(machine).bypass_closed), *stick.box[1:]],
         edges=stick.edges | {"swing.travel": [travels(machine).deadband]},
     )
-    return [
-        _learn(
-            _boom(machine, at_torque_limit(machine, "boom"), inlet_limited(machine.circuit("boom"), "boom")),
-            OF_TWO,
-            progress,
-        ),
-        *(_learn(target, OF_FOUR_LIMITED, progress) for target in (swing, stick)),
-    ]
+    boom = boom_target(
+        machine, at_torque_limit(machine, "boom"), inlet_limited(machine.circuit("boom"), "boom"), borders
+    )
+    efforts = zip((boom, swing, stick), (OF_TWO, OF_FOUR_LIMITED, OF_FOUR_LIMITED), strict=True)
+    return [learn_mode(target, effort, progress) for target, effort in efforts]
 
 
-def _boom(machine: LayoutMachine, pump: Pump, place: Place) -> Target:
-    high, (*cuts, end) = machine.circuit("boom").pump.flow, travels(machine)
+def boom_target(machine: LayoutMachine, pump: Pump, place: Place, borders: Borders) -> Target:
+    """The boom's flow from its own pump."""
+    high, end = machine.circuit("boom").pump.flow, travels(machine).end
     return Target(
         *place, lambda X: np.minimum(input_flow(machine, pump, X, ("boom",), "boom"), high),
-        [(0.0, end), pressure_boxes(machine)["boom"]], {"boom.travel": cuts}, high,
+        [(0.0, end), pressure_boxes(machine)["boom"]], {"boom.travel": borders("boom")}, high,
     )  # fmt: skip
 
 
-def _series(machine: LayoutMachine, pump: Pump, place: Place) -> Target:
-    high, (*cuts, end) = machine.circuit("series").pump.flow, travels(machine)
-    pressure, full, name = pressure_boxes(machine), (0.0, end), place[0].name.split(".")[0]
+def series_target(machine: LayoutMachine, pump: Pump, place: Place, borders: Borders) -> Target:
+    """The flow of swing or stick, of everything in their circuit."""
+    high, full = machine.circuit("series").pump.flow, (0.0, travels(machine).end)
+    pressure, name = pressure_boxes(machine), place[0].name.split(".")[0]
     return Target(
         *place, lambda X: np.minimum(input_flow(machine, pump, X, SERIES, name), high),
-        [full, full, pressure["swing"], pressure["stick"]], {"swing.travel": cuts, "stick.travel": cuts}, high,
+        [full, full, pressure["swing"], pressure["stick"]], {f"{f}.travel": borders(f) for f in SERIES}, high,
     )  # fmt: skip
 
 
-def _learn(target: Target, effort: Effort, progress: Progress) -> Model:
+def learn_mode(target: Target, effort: Effort, progress: Progress = quiet) -> Model:
+    """Learn a network with an effort."""
     bounds = (0.0, target.high)
     finer = None if effort.finer is None else clone(effort.finer).set_params(output_bounds=bounds)
     return learn_from(
@@ -171,10 +180,10 @@ def _learn(target: Target, effort: Effort, progress: Progress) -> Model:
     ).model  # fmt: skip
 
 
-def _learn_k_in(machine: LayoutMachine, circuit: str) -> Model:
+def learn_k_in(machine: LayoutMachine, circuit: str, borders: Borders) -> Model:
     """Conductance of the inlet of a circuit's first valve, from the flow at relief pressure into an empty line (Eq. 1)."""
     name = machine.circuit(circuit).functions[0]
-    pump, valve, (*cuts, end) = at_relief(machine, circuit), machine.function(name).valve, travels(machine)
+    pump, valve, end = at_relief(machine, circuit), machine.function(name).valve, travels(machine).end
     output, inputs = k_in(name)
     high, root = max(valve.inlet), np.sqrt(pump.relief)
 
@@ -182,7 +191,7 @@ def _learn_k_in(machine: LayoutMachine, circuit: str) -> Model:
         return input_flow(machine, pump, np.column_stack([X, np.zeros(len(X))]), (name,), name) / root
 
     return learn_from(
-        conductance, [(0.0, end)], tolerance=1e-5 * high, rows=300, edges={0: cuts},
+        conductance, [(0.0, end)], tolerance=1e-5 * high, rows=300, edges={0: borders(name)},
         estimator=AbductiveRegressor(max_layers=1, kinds=("single",), output_bounds=(0.0, high)),
         inputs=inputs, output=output, random_state=SEED,
     ).model  # fmt: skip
