@@ -23,6 +23,7 @@ FLOWS = {
     "stiff": ("stiff", {}),
     "tlm": ("tlm", {}),
     "polynomial, cascade": ("polynomial", {}),
+    "polynomial-fine": ("polynomial-fine", {}),
     "polynomial, direct": ("polynomial", {"arrangement": "direct"}),
     "neural": ("neural", {}),
     "lookup, 12 points": ("lookup", {"points": 12}),
@@ -51,6 +52,7 @@ def torque_limit(machine):
     limited = with_pumps(machine, torque_limit_enabled=True)
     models = {
         "cascade, with those of the limit": build_flow("polynomial", limited),
+        "polynomial-fine, with those of the limit": build_flow("polynomial-fine", limited),
         "direct, with those of the limit": build_flow("polynomial", limited, arrangement="direct"),
         "cascade, without": build_flow("polynomial", limited, models=shipped_models()),
     }

@@ -104,7 +104,7 @@ def by_name(machine):
 def cost():
     """Machine code of the package's networks: compiled, and read by the next process."""
     rows = []
-    for name in ("cascade", "direct", "neural"):
+    for name in ("cascade", "direct", "neural", "fine"):
         models = shipped_models(name, limited=name != "neural")
         with tempfile.TemporaryDirectory() as folder:
             machine_code.cache_folder = lambda folder=folder: folder

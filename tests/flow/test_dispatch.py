@@ -80,6 +80,7 @@ STATED = {
     "stiff": 1e-8,
     "tlm": 1e-5,
     "polynomial": 0.004,
+    "polynomial-fine": 0.0004,
     "neural": 0.1,
     "lookup": 0.03,
 }

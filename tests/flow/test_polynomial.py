@@ -18,8 +18,8 @@ from polydraulic.simulation.layout.flow_points import sample_flow
 from polydraulic.thesis.excavator import pump_of, spool_of, with_pumps
 from polydraulic.units import to_si
 
-NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("neural", {})]
-RMS = {"polynomial": 0.01, "neural": 0.03}
+NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("polynomial-fine", {}), ("neural", {})]
+RMS = {"polynomial": 0.01, "polynomial-fine": 0.002, "neural": 0.03}
 N = 2_000 if numba.config.DISABLE_JIT else 20_000  # points of the map, of which plain Python makes few in a second
 
 
@@ -79,17 +79,26 @@ def over_the_map(machine, section, n=N):
 
 
 # Largest errors over the map that the package's networks may have, in3/s: swing, boom, stick.
-LARGEST = {(False, "whole"): (3.0, 0.7, 3.0), (False, "D"): (3.3, 0.7, 3.6), (True, "D"): (5.5, 0.7, 6.0)}
+# The finer networks have the smaller rms, and rare errors that are larger, where the stick's inlet just opens.
+LARGEST = {
+    ("polynomial", False, "whole"): (3.0, 0.7, 3.0),
+    ("polynomial", False, "D"): (3.3, 0.7, 3.6),
+    ("polynomial", True, "D"): (5.5, 0.7, 6.0),
+    ("polynomial-fine", False, "whole"): (16.0, 0.1, 3.0),
+    ("polynomial-fine", False, "D"): (16.0, 0.1, 3.0),
+}
 
 
-@pytest.mark.parametrize(("limit", "section"), LARGEST)
-def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, limit, section):
+@pytest.mark.parametrize(("name", "limit", "section"), LARGEST)
+def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, name, limit, section):
     machine = with_limit(machine) if limit else machine
     spool, p_in = over_the_map(machine, section)
-    ours, true = (sample_flow(machine, name, spool, p_in, 0.0 * p_in) for name in ("polynomial", "exact"))
+    ours, true = (sample_flow(machine, flow, spool, p_in, 0.0 * p_in) for flow in (name, "exact"))
     open_relief = true.p_pump >= pump_of(machine, "boom").relief * (1.0 - 1e-12)
     assert np.all(open_relief.sum(axis=0) > 0.01 * N)  # of both pumps
-    assert np.all(np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[limit, section]))
+    assert np.all(
+        np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[name, limit, section])
+    )
 
 
 @pytest.mark.parametrize("arrangement", ARRANGEMENTS)
@@ -125,7 +134,7 @@ def test_the_torque_limit_of_one_pump_is_that_of_its_circuit_alone(machine):
             assert np.any(both[:, place] != none[:, place])
 
 
-@pytest.mark.parametrize("name", ["polynomial", "neural"])
+@pytest.mark.parametrize("name", ["polynomial", "polynomial-fine", "neural"])
 def test_networks_of_the_package_refuse_circuits_they_were_not_trained_on(machine, name):
     valve, pump = machine.function("boom").valve, pump_of(machine, "boom")
     slower = with_pumps(machine, torque_limit_start=0.9 * pump.torque_limit_start)
@@ -192,6 +201,7 @@ def test_a_name_gives_one_model_for_all_machines_with_the_same_circuits(machine)
     assert build_flow("polynomial", "cat215b") is flow
     assert build_flow("polynomial", with_limit(machine)) is not flow
     assert build_flow("polynomial", machine, arrangement="direct") is not flow
+    assert build_flow("polynomial-fine", machine) is not flow
     assert build_flow("neural", machine) is not flow
     with pytest.raises(ValueError, match="read-only"):
         flow.parts["table"].coef[0, 0] = 1.0

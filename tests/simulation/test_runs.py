@@ -18,7 +18,7 @@ from polydraulic.parameters.signals import Constant, Piecewise, Sine
 from polydraulic.tables import read_table, write_table
 from polydraulic.thesis.excavator import pump_of, spool_of
 
-MODELS = ["exact", "iterative", "polynomial", "neural", "lookup"]
+MODELS = ["exact", "iterative", "polynomial", "polynomial-fine", "neural", "lookup"]
 UP = Scenario("up", 4.0, {"boom": Constant(0.62)}, ("swing", "stick"))
 
 

@@ -23,7 +23,7 @@ def _flow_names() -> list[str]:
     return list(FLOW_KINDS)
 
 
-FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, residual, or pressure (historical)."
+FLOWS = "exact, iterative, stiff, tlm, polynomial, polynomial-fine, neural, lookup, residual, or pressure (historical)."
 OwnMachineOption = Annotated[
     str | None,
     typer.Option(help="Machine by name, or a TOML file; if not given, the one that the scenario is for, else cat215b."),

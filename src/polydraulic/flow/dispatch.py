@@ -12,7 +12,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.iterative import iterative_flow
 from polydraulic.flow.layout.model import LayoutFlow, check_machine, exact_flow
 from polydraulic.flow.lookup import lookup_flow
-from polydraulic.flow.polynomial import neural_flow, polynomial_flow
+from polydraulic.flow.polynomial import fine_flow, neural_flow, polynomial_flow
 from polydraulic.flow.pressure import pressure_flow
 from polydraulic.flow.residual import residual_flow
 from polydraulic.flow.stiff import stiff_flow
@@ -29,6 +29,7 @@ FLOW_KINDS: dict[str, Callable[..., FlowModel]] = {
     "tlm": tlm_flow,
     "lookup": lookup_flow,
     "polynomial": polynomial_flow,
+    "polynomial-fine": fine_flow,
     "neural": neural_flow,
     "pressure": pressure_flow,
     "residual": residual_flow,

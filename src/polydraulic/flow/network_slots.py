@@ -39,6 +39,7 @@ def k_out(link: str) -> Variable:
 
 
 RELIEF, LIMITED = "_relief", "_limited"  # endings of names: relief valve open; torque limit
+SHUT = "_shut"  # check valve of the next valve shut
 
 
 def choose_model(models: Sequence[Model], *alternatives: Place) -> Model:

@@ -57,6 +57,24 @@ def polynomial_flow(
     return _shipped_flow(machine, arrangement) if models is None else layout_networks(machine, models, "polynomial")
 
 
+def fine_flow(machine: LayoutMachine | str | Path) -> LayoutFlow:
+    """Flow model from the package's finer polynomial networks: those of the cascade, nearer to exact, in more regions.
+
+    Parameters
+    ----------
+    machine : LayoutMachine, or name or path of a parameter set
+        With circuits as `TRAINED_ON`. At a torque limit the networks of the cascade serve here, too.
+
+    Raises
+    ------
+    InputError
+        If pumps or valves are not those that the networks were trained on.
+    """
+    machine = as_machine(machine)
+    check_circuits(machine, "polynomial-fine")
+    return _shipped_flow(machine, "fine")
+
+
 def neural_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model] | None = None) -> LayoutFlow:
     """Flow model from perceptrons.
 
@@ -70,6 +88,7 @@ def neural_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model] 
     return _shipped_flow(machine, "neural") if models is None else layout_networks(machine, models, "neural")
 
 
+_KINDS = {"neural": "neural", "fine": "polynomial-fine"}  # flow models by the networks that they are made of
 _MOST_BUILT = 32
 _built: dict[Hashable, LayoutFlow] = {}
 
@@ -79,9 +98,9 @@ def _shipped_flow(machine: LayoutMachine, name: str) -> LayoutFlow:
     key = name, machine.circuits, machine.tank, tuple((f.name, f.valve) for f in machine.functions)
     found = _built.get(key)
     if found is None:
-        kind = "neural" if name == "neural" else "polynomial"
+        kind = _KINDS.get(name, "polynomial")
         _check_trained(machine, kind)
-        models = shipped_models(name, limited=kind == "polynomial" and _limited(machine))
+        models = shipped_models(name, limited=kind != "neural" and _limited(machine))
         without = [f for c in machine.circuits if not c.pump.torque_limit_enabled for f in c.functions]
         models = [m for m in models if m.output.name not in {f"{f}.q_in{LIMITED}" for f in without}]
         found = layout_networks(machine, models, kind)
@@ -104,11 +123,12 @@ def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Mode
 
     Parameters
     ----------
-    name : {"cascade", "direct", "neural"}
+    name : {"cascade", "direct", "neural", "fine"}
     limited : bool
-        Also those of the torque limit; they go with the cascade and with direct networks.
+        Also those of the torque limit; they go with all but perceptrons.
     """
-    parts = ["outlets", *(["inlets"] if name in ARRANGEMENTS else []), name, *(["limited"] if limited else [])]
+    shared = {"neural": ["outlets"], "fine": []}.get(name, ["outlets", "inlets"])
+    parts = [*shared, name, *(["limited"] if limited else [])]
     return [model for part in parts for model in _read(f"{part}.json")]
 
 
@@ -124,8 +144,8 @@ def _limited(machine: LayoutMachine) -> bool:
 
 def _check_trained(machine: LayoutMachine, kind: str) -> None:
     """Refuse the package's networks to circuits that they were not trained on."""
-    trained = load_machine(TRAINED_ON)
-    train = f"train networks for this machine (polydraulic train --machine MACHINE --out networks.json, or `train_layout`) and give them as models (--flow {kind} --model networks.json)"
+    trained, learnt = load_machine(TRAINED_ON), "neural" if kind == "neural" else "polynomial"
+    train = f"train networks for this machine (polydraulic train --machine MACHINE --out networks.json, or `train_layout`) and give them as models (--flow {learnt} --model networks.json)"
     if circuits_of(machine) != circuits_of(trained):
         raise InputError(f"flow {kind!r}: no networks come with the package for {machine.title!r}: {train}")
     # a limit may be on or off, as there are networks for both; that of a pump that has none does not matter

@@ -30,8 +30,8 @@ from polydraulic.thesis.three_links import (
 from polydraulic.thesis.timing import Ratio, time_runs
 
 N_OPERATORS, OPERATOR_SECONDS = 200, 60.0
-FLOWS = ("exact", "iterative", "stiff", "tlm", "lookup", "polynomial", "ours", "direct", "neural")
-BY_OPERATORS = ("iterative", "lookup", "polynomial", "ours", "neural")
+FLOWS = ("exact", "iterative", "stiff", "tlm", "lookup", "polynomial", "ours", "fine", "direct", "neural")
+BY_OPERATORS = ("iterative", "lookup", "polynomial", "ours", "fine", "neural")
 # The thesis' setting, and what is added to it, one by one; the last is the learner's own setting.
 IDEAS: dict[str, dict[str, Any]] = {
     "thesis' setting": HISTORICAL,
@@ -59,8 +59,13 @@ def ablation(study: ThreeLinkStudy) -> dict[str, Rung]:
         for idea, settings in IDEAS.items():
             study.lab.say(f"ablation: {idea}")
             found[idea] = _climb(study, _by_section(study, settings), relief=False)
-        for idea, arrangement in (("+ regions found, pump modes", "direct"), ("+ cascade", "cascade")):
-            found[idea] = _climb(study, shipped_models(arrangement), relief=True)
+        shipped = {
+            "+ regions found, pump modes": "direct",
+            "+ cascade": "cascade",
+            "+ borders at all knots, more regions": "fine",
+        }
+        for idea, networks in shipped.items():
+            found[idea] = _climb(study, shipped_models(networks), relief=True)
         return found
 
     return {idea: Rung(*values) for idea, values in study.lab.computed.data("ablation", made).items()}
@@ -156,6 +161,7 @@ def output_ranges(study: ThreeLinkStudy) -> dict[str, Range]:
     sets = {
         "polynomial": study.historical(),
         "ours": shipped_models(limited=True),
+        "fine": shipped_models("fine"),
         "direct": [
             model for model in shipped_models("direct") if model.output.name == "stick.q_in"
         ],  # all else is shared
@@ -198,11 +204,11 @@ class MapError(NamedTuple):
     rms: float
 
 
-def map_errors(study: ThreeLinkStudy) -> dict[str, MapError]:
-    """Errors of the package's networks: the boom's input flow, swing and stick in section D; relief valves included."""
+def map_errors(study: ThreeLinkStudy, kind: str = "ours") -> dict[str, MapError]:
+    """Errors of networks of the package: the boom's input flow, swing and stick in section D; relief valves included."""
 
     def found() -> dict[str, Any]:
-        machine, flow = study.machine(), study.flow("ours")
+        machine, flow = study.machine(), study.flow(kind)
         series = section_errors(machine, "D", flow, relief=True)
         box = np.array([(0.0, spool_of(machine).end), (0.0, PRESSURE_HIGH)])
         X = points_with_faces(box, N_JUDGE, np.random.default_rng(JUDGE_SEED))
@@ -210,4 +216,4 @@ def map_errors(study: ThreeLinkStudy) -> dict[str, MapError]:
         errors = {"boom": ours - exact, "swing in D": series.swing, "stick in D": series.stick}
         return {name: [units.from_si(float(size), "in3/s") for size in (np.abs(e).max(), np.sqrt(np.mean(e**2)))] for name, e in errors.items()}  # fmt: skip
 
-    return {name: MapError(*values) for name, values in study.lab.computed.data("map errors", found).items()}
+    return {name: MapError(*values) for name, values in study.lab.computed.data(f"map errors {kind}", found).items()}

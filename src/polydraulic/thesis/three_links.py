@@ -54,6 +54,8 @@ class ThreeLinkStudy:
     def flow(self, kind: str, limited: bool = False, **options: Any) -> Any:
         """Build a flow model of a kind."""
         machine = self.machine(limited)
+        if kind == "fine":
+            return build_flow("polynomial-fine", machine)
         if kind.startswith("polynomial"):
             return build_flow("polynomial", machine, models=self.historical(kind.endswith("with limit")))
         if kind == "ours":

@@ -30,7 +30,7 @@ def test_longer_circuits_are_refused_by_those_that_know_two_valves(name):
 @pytest.mark.parametrize("machine", ["wheel_loader", "cat215b_bucket", "excavator_22t"])
 def test_what_is_said_to_know_the_circuits_does(machine):
     for name in flows_for(load_machine(machine)):
-        if name in ("polynomial", "neural", "pressure", "residual"):
+        if name in ("polynomial", "polynomial-fine", "neural", "pressure", "residual"):
             with pytest.raises(InputError, match="models"):
                 build_flow(name, machine)
         else:

@@ -20,12 +20,12 @@ def test_each_file_is_written_and_told(machine, tmp_path):
     told = []
     written = train.train_networks(machine, tmp_path / "new", files=files, progress=lambda *piece: told.append(piece))
     assert [path.name for path in written] == [
-        "outlets.json", "neural.json", "inlets.json", "cascade.json", "limited.json", "direct.json",
+        "outlets.json", "neural.json", "inlets.json", "cascade.json", "limited.json", "direct.json", "fine.json",
     ]  # fmt: skip
     assert all(load_models(path) == [CONSTANT] for path in written)
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
-    assert told[0] == ("outlets.json", 0, 6)
-    assert told[-1] == ("direct.json: y, 100 points", 5, 6)
+    assert told[0] == ("outlets.json", 0, 7)
+    assert told[-1] == ("fine.json: y, 100 points", 6, 7)
 
 
 def test_a_place_that_cannot_be_written_is_named_before_any_search(machine, tmp_path):

@@ -112,7 +112,7 @@ def test_a_tree_without_balance_and_a_model_without_nodes():
     assert len(set(found)) > 20
 
 
-@pytest.mark.parametrize("name", ["cascade", "direct", "neural"])
+@pytest.mark.parametrize("name", ["cascade", "direct", "neural", "fine"])
 def test_networks_of_the_package(name):
     rng = np.random.default_rng(4)
     for model in shipped_models(name, limited=name != "neural"):

@@ -30,6 +30,7 @@ KNOWN_CIRCUITS = {
     "tlm": KnownCircuits(MOST_IN_SERIES),
     "lookup": KnownCircuits(2),
     "polynomial": KnownCircuits(MOST_IN_SERIES),
+    "polynomial-fine": KnownCircuits(2),
     "neural": KnownCircuits(MOST_IN_SERIES),
     "pressure": KnownCircuits(MOST_IN_SERIES),
     "residual": KnownCircuits(MOST_IN_SERIES),

@@ -33,6 +33,8 @@ class ValveNetworks(NamedTuple):
         At constant flow of the pump alone, or in all modes.
     relief, limited : Which
         With the relief valve open, and at the torque limit. `relief` is the conductance of a first inlet.
+    shut : Which
+        Of a first inlet at constant flow, if the check valve of the next is shut; `q_in` then may count that as open.
     k_out : Which
     cascade : bool
         Whether `q_in` reads what the valves before this one leave.
@@ -47,6 +49,7 @@ class ValveNetworks(NamedTuple):
     q_in: Which
     relief: Which
     limited: Which
+    shut: Which
     k_out: Which
     cascade: bool
     by_root: bool

@@ -11,6 +11,7 @@ from polydraulic.flow.layout.slots import (
     everything,
     inlet,
     inlet_limited,
+    inlet_shut,
     outlet,
     passed_at_relief,
     passed_limited,
@@ -68,6 +69,7 @@ def layout_networks(machine: LayoutMachine, models: Sequence[Model], kind: str) 
         place((c.functions[0], "relief"), [k_in(c.functions[0])], needed=False)
         if len(c.functions) == 2:
             place((c.functions[1], "relief"), [second_at_relief(c)], needed=False)
+            place((c.functions[0], "shut"), [inlet_shut(c, c.functions[0])], needed=False)
         if len(c.functions) > 1:
             place((c.name, "passed relief"), [passed_at_relief(c)], needed=False)
             place((c.name, "passed limited"), [passed_limited(c)], needed=False)
@@ -75,12 +77,13 @@ def layout_networks(machine: LayoutMachine, models: Sequence[Model], kind: str) 
 
     def valve(f: str) -> ValveNetworks:
         nothing = 0 if f not in functions else 1  # where a network of a mode is missing, no other is less
-        of = {role: places.get((f, role), nothing) for role in ("q_in", "relief", "limited", "k_out")}
+        of = {role: places.get((f, role), nothing) for role in ("q_in", "relief", "limited", "shut", "k_out")}
         q_in, k_out = chosen[of["q_in"]], chosen[of["k_out"]]
         return ValveNetworks(
             q_in=of["q_in"],
             relief=of["relief"],
             limited=of["limited"],
+            shut=of["shut"],
             k_out=of["k_out"],
             cascade="q_passed" in q_in.inputs[0].name,
             by_root=len(k_out.inputs) == 2,

@@ -7,7 +7,7 @@ valves behind it know the pump by nothing else, so that their networks need no m
 
 from collections.abc import Sequence
 
-from polydraulic.flow.network_slots import LIMITED, RELIEF, Place, p_in, q_in, travel
+from polydraulic.flow.network_slots import LIMITED, RELIEF, SHUT, Place, p_in, q_in, travel
 from polydraulic.networks.model.model import Variable
 from polydraulic.parameters.layout.parts import SupplyCircuit
 
@@ -45,6 +45,11 @@ def inlet(circuit: SupplyCircuit, function: str) -> list[Place]:
 def inlet_limited(circuit: SupplyCircuit, function: str) -> Place:
     """An inlet at the torque limit."""
     return q_in(function, LIMITED), everything(circuit.functions)
+
+
+def inlet_shut(circuit: SupplyCircuit, function: str) -> Place:
+    """The first of two inlets at constant flow, if the check valve of the second is shut."""
+    return q_in(function, SHUT), everything(circuit.functions)
 
 
 def second_at_relief(circuit: SupplyCircuit) -> Place:

@@ -6,6 +6,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.flow.training.circuit_models import learn_direct, learn_outlets
+from polydraulic.flow.training.fine_models import learn_fine
 from polydraulic.flow.training.layout_perceptrons import inlet_perceptrons
 from polydraulic.flow.training.mode_models import learn_cascade, learn_inlets, learn_limited
 from polydraulic.networks.model.model_file import save_models
@@ -20,6 +21,7 @@ FILES: Mapping[str, tuple[Callable[..., Any], bool]] = {
     "cascade": (learn_cascade, True),
     "limited": (learn_limited, True),
     "direct": (learn_direct, True),
+    "fine": (learn_fine, True),
 }
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 NAMES = {
     "polynomial": "thesis' setting",
     "ours": "polydraulic",
+    "fine": "polydraulic, finer",
     "direct": "polydraulic, direct",
     "polynomial with limit": "thesis' setting, limit learnt",
     "ours with limit": "polydraulic, limit learnt",
@@ -43,6 +44,7 @@ STYLES = {
     "pressure": ("C3", "-", 1.2),
     "neural": ("C4", "-", 1.2),
     "ours": ("C0", "-", 1.0),
+    "fine": ("C6", "-", 1.0),
     "polynomial with limit": ("C5", "-", 1.2),
     "ours with limit": ("C9", "-", 1.2),
 }
