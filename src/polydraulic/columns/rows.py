@@ -16,8 +16,8 @@ from polydraulic.errors import InputError
 
 BLOCK = 4 << 20  # bytes
 _COMMENT = ("#", "//", "%", ";")
-_COMPARED = 20  # lines that a last one without an end is compared with
-_BEFORE_CUT = 1 << 16  # bytes that these are looked for in
+_COMPARED = 20  # lines at least that a last one without an end is compared with
+_BEFORE_CUT = 1 << 16  # bytes that these are looked for in: the last of many is hardly the one with fewest decimals
 
 
 class CellBlock(NamedTuple):
@@ -116,29 +116,38 @@ def _parsed(
             for block in source.lines(BLOCK):
                 text, cut = without_stray_quotes(block), ""
                 if str(dialect.width - 1) in parser.needed:
-                    text, cut = without_cut_line(text, parser.delimiter)
+                    text, cut = without_cut_line(text, parser.delimiter, parser.decimal)
                 yield text, *parser.parse(text), source.share, cut
     except (pa.ArrowException, UnicodeError, *DAMAGED) as error:
         said = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"{path}: cannot be read as a CSV log ({said})") from error
 
 
-def without_cut_line(text: bytes, delimiter: str) -> tuple[bytes, str]:
+def without_cut_line(text: bytes, delimiter: str, decimal: str = ".") -> tuple[bytes, str]:
     """Lines without a last one that breaks off within its last value, and what is left of this one; empty where none breaks off.
 
-    A logger that loses its power leaves 10 of 101.99. The file then ends without the end of a line, behind a value that is shorter than
-    those of the lines before.
+    A logger that loses its power leaves 10 of 101.99. The file then ends without the end of a line, behind a value with fewer decimals than
+    any before it, or a whole number with fewer digits than those just before. Where there are decimals, digits say nothing: 9.99 follows 10.00.
     """
     if text.endswith((b"\n", b"\r")) or not text:
         return text, ""
     start = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
-    before = text[max(0, start - _BEFORE_CUT) : start].splitlines()[1:][-_COMPARED:]
-    mark = delimiter.encode()
-    lines = [text[start:], *before]
-    last, *others = (line.rpartition(mark)[2].strip() for line in lines)
-    alike = len(others) == _COMPARED and len({line.count(mark) for line in lines}) == 1 and b'"' not in text[start:]
-    cut = alike and 0 < len(last) < min(map(len, others))
+    line, mark = text[start:], delimiter.encode()
+    before = text[max(0, start - _BEFORE_CUT) : start].splitlines()[1:]
+    others = [one.rpartition(mark)[2].strip() for one in before if one.count(mark) == line.count(mark)]
+    others, last = [one for one in others if one], line.rpartition(mark)[2].strip()
+    if not last or len(others) < _COMPARED or b'"' in line:
+        return text, ""
+    decimals = [_decimals(one, decimal.encode()) for one in others]
+    left = _decimals(last, decimal.encode())
+    whole = max(decimals) < 0 and last.lstrip(b"+-").isdigit()
+    cut = left < min(decimals) or (whole and len(last) < min(map(len, others[-_COMPARED:])))
     return (text[:start], last.decode("utf-8", "replace")) if cut else (text, "")
+
+
+def _decimals(value: bytes, mark: bytes) -> int:
+    """Letters behind a decimal mark, those of an exponent among them; -1 without a mark."""
+    return len(value) - 1 - value.index(mark) if mark in value else -1
 
 
 def without_stray_quotes(text: bytes) -> bytes:

@@ -17,7 +17,7 @@ KINDS = {
     ),
     "cut line": (
         "warning",
-        "the file ends in the middle of a line, behind a value shorter than those before: it may be cut off; left out",
+        "the file ends in the middle of a line, behind a value with fewer decimals or digits than those before: it may be cut off; left out",
     ),
     "comment": ("warning", "lines of comment between the rows; left out"),
     "no time": ("error", "rows without a readable time; left out"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from helpers.log_kinds import PRESSURE, READ, REFUSED, TIME, cases, clocked, lines, write
+from polydraulic.columns.rows import without_cut_line
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
@@ -331,6 +332,36 @@ def test_a_last_value_that_may_be_cut_off_is_left_out(tmp_path, end, left_out):
     )
     assert [f.rows for f in cut] == ([[(61, 61)]] if left_out else [])
     assert (table["p"].min() == 10e5) == (end == "0.60,10\n")
+
+
+@pytest.mark.parametrize(
+    ("before", "last", "cut"),
+    [
+        (["10.01", "10.00"], "9.99", False),
+        (["-0.10", "-0.05"], "0.00", False),
+        (["10.01", "10.00"], "10.0", True),
+        (["10.01", "10.00"], "10", True),
+        (["1.00000e+02"], "1.00000e+0", True),
+        (["0.25", "0.5", "", "1"], "1", False),  # no decimals were there before
+        (["1012", "1013"], "10", True),
+        (["12", "13"], "10", False),
+        (["OVER", "NORMAL"], "OK", False),
+        (['"10.01"'], '"10', False),
+    ],
+)
+def test_a_last_value_may_be_cut_off_where_decimals_or_digits_are_missing(before, last, cut):
+    lines = "".join(f"{i},{before[i % len(before)]}\n" for i in range(80))
+    end = f"80,{last}"
+    expected = (lines.encode(), last) if cut else ((lines + end).encode(), "")
+    assert without_cut_line((lines + end).encode(), ",") == expected
+    of_comma = (lines + end).replace(",", ";").replace(".", ",").encode()
+    assert bool(without_cut_line(of_comma, ";", ",")[1]) == cut
+
+
+def test_whole_numbers_are_held_to_those_just_before_and_few_lines_to_none():
+    small, large = "".join(f"{i},7\n" for i in range(30)), "".join(f"{i},1012\n" for i in range(21))
+    assert without_cut_line(f"{small}{large}9,10".encode(), ",")[1] == "10"
+    assert without_cut_line(f"head\n{large[: 19 * 7]}9,10".encode(), ",")[1] == ""
 
 
 def test_of_values_that_are_not_numbers_one_is_shown(tmp_path):
