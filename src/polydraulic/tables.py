@@ -329,14 +329,12 @@ def _numbers(column: Any, name: str, where: str) -> np.ndarray:
 
     if len(column) and not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
         shown = next((briefly(str(v)) for v in column.to_pylist() if v is not None), "no value")
-        raise InputError(
-            f"{where}column {name!r} holds {shown} ({column.type}); every value must be a number; {_OF_LOGS}"
-        )
+        held = f"holds {shown} ({column.type})"
+        raise InputError(f"{where}column {name!r} {held}; every value must be a number; {_OF_LOGS}")
     try:
-        floats = column.cast(pa.float64())
+        return np.array(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=np.float64)
     except pa.ArrowInvalid as error:
         raise InputError(f"{where}column {name!r} holds whole numbers beyond 2^53, which no float holds") from error
-    return np.array(floats.to_numpy(zero_copy_only=False), dtype=np.float64)
 
 
 def finite(values: np.ndarray, name: str, where: str = "") -> np.ndarray:
