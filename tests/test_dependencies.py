@@ -15,7 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-OWN = {"polydraulic", "helpers", *(path.stem for folder in ("benchmarks", "tools") for path in (ROOT / folder).rglob("*.py"))}
+OWN = {
+    "polydraulic",
+    "helpers",
+    *(path.stem for folder in ("benchmarks", "tools") for path in (ROOT / folder).rglob("*.py")),
+}
 MODULES = {"sksundae": "scikit-sundae", "pyearth": "py-earth2"}  # peers of the benchmarks, seldom installed
 
 
