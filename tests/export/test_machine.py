@@ -92,7 +92,7 @@ def test_100_000_steps_of_a_random_operator(machine, flow, optimise, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("flow", ["neural", "iterative", "stiff", "tlm"])
+@pytest.mark.parametrize("flow", ["polynomial-fine", "neural", "iterative", "stiff", "tlm"])
 def test_other_flow_models_translate_too(machine, flow, tmp_path):
     assert_equal_runs(machine, flow, operator_voltages(20_000, 3), tmp_path)
 
