@@ -40,7 +40,7 @@ def test_masses_and_friction_from_two_minutes_of_sines(name):
     machine = load_machine(name)
     prior = off_by(machine)
     fit = fit_mechanics(
-        motion_log(machine, seconds=120.0, noise=0.5, late=0.003), prior, mechanical_spreads(prior, 0.3)
+        motion_log(machine, seconds=120.0, noise=0.5, late=0.003), prior, mechanical_spreads(prior, 0.3), step=0.0
     )
     errors, before = sharp_errors(machine, fit), sharp_errors(machine, fit_of_nothing(machine, prior))
     assert len(errors) >= 6
@@ -86,35 +86,42 @@ def test_missing_pressures_and_rest_are_refused():
         fit_mechanics(without, machine)
     with pytest.raises(InputError, match=r"column 'outer.p_b' is in 'bar'.*in 'Pa'"):
         fit_mechanics(Table(log.columns, {**log.units, "outer.p_b": "bar"}), machine)
+    for step in (-1e-3, np.inf, np.nan):
+        with pytest.raises(InputError, match=r"step = .* s: must be none or positive"):
+            fit_mechanics(log, machine, step=step)
     still = Table({n: v if n == "time" else np.full_like(v, v[0]) for n, v in log.columns.items()}, log.units)
     with pytest.raises(InputError, match="move steadily in 0 rows only"):
         fit_mechanics(still, machine)
 
 
-LOW = pytest.mark.xfail(
-    strict=True,
-    reason="noise of angles and pressures together leaves the bucket's own inertia 8 % low, of which 2 % are stated",
-)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["loader_crane", pytest.param("cat215b_bucket", marks=LOW)])
+@pytest.mark.parametrize("name", ["loader_crane", "cat215b_bucket"])
 def test_ten_minutes_of_an_operator(name):
+    """What is said to be known to 2 % errs by less than 5 % on average over noises, and mostly by no more than is said."""
     machine = load_machine(name)
     run = simulate(machine, "exact", random_operator(12, 600.0, functions=machine.names), dt=5e-3, every=4)
-    rng = np.random.default_rng(4)
     noise = {"angle": 5e-4, "position": 1e-3, "p_a": 1e5, "p_b": 1e5}
-    log = Table(
-        {n: run[n] + noise.get(n.split(".")[-1], 0.0) * rng.normal(size=len(run)) for n in run.names},
-        {n: run.unit(n) for n in run.names},
-    )
-    prior = off_by(machine)
-    fit = fit_mechanics(log, prior, mechanical_spreads(prior, 0.3))
-    errors = sharp_errors(machine, fit)
     truth = {number.path: number.value for number in machine.numbers}
-    friction = [
-        abs(e.value / truth[e.path] - 1.0) for e in fit.estimates.numbers if e.path.endswith(("coulomb", "viscous"))
-    ]
-    assert len(errors) >= 6
-    assert errors.max() < 0.05
-    assert max(friction) < 0.05
+    base = base_parameters(machine)
+    true_base = base.combine @ inertial_values(machine, base.numbers)
+    prior, errors, inside = off_by(machine), {}, []
+    for seed in (4, 5, 6):
+        rng = np.random.default_rng(seed)
+        log = Table(
+            {n: run[n] + noise.get(n.split(".")[-1], 0.0) * rng.normal(size=len(run)) for n in run.names},
+            {n: run.unit(n) for n in run.names},
+        )
+        fit = fit_mechanics(log, prior, mechanical_spreads(prior, 0.3))
+        found = [(b.text, b.value, b.sd, true) for b, true in zip(fit.base, true_base, strict=True)]
+        found += [
+            (e.path, e.value, e.sd, truth[e.path])
+            for e in fit.estimates.numbers
+            if e.path.endswith(("coulomb", "viscous"))
+        ]
+        for text, value, sd, true in found:
+            if sd < 0.02 * abs(true):
+                errors.setdefault(text, []).append(value / true - 1.0)
+                inside.append(abs(value - true) < 2.0 * sd)
+    assert len(errors) >= 8
+    assert max(abs(np.mean(of)) for of in errors.values()) < 0.05
+    assert np.mean(inside) > 0.8

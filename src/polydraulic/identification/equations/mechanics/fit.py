@@ -18,10 +18,12 @@ from polydraulic.identification.equations.mechanics.inertia import inertial_valu
 from polydraulic.identification.equations.mechanics.motion_rows import (
     FRICTION,
     MotionRows,
+    Piece,
     measured_pieces,
     motion_rows,
 )
 from polydraulic.identification.equations.mechanics.noise_bias import noise_pull
+from polydraulic.identification.equations.mechanics.weight_widths import weight_widths
 from polydraulic.identification.equations.numbers.estimates import (
     Estimates,
     correlation_of,
@@ -46,6 +48,7 @@ _LAG_SPREAD = 0.02  # s
 _INERTIAL = ("mass", "cg", "inertia")
 _FEW = 50  # rows
 _STEP = 1e-5
+_STEP_OF_RUNS = 5e-3  # s, as `simulate` has it unless told otherwise
 
 
 class BaseEstimate(NamedTuple):
@@ -102,7 +105,11 @@ def mechanical_spreads(machine: LayoutMachine, share: float = 0.5) -> dict[str, 
 
 
 def fit_mechanics(
-    log: Table | str | Sequence[Table | str], machine: LayoutMachine, spreads: Mapping[str, float] | None = None
+    log: Table | str | Sequence[Table | str],
+    machine: LayoutMachine,
+    spreads: Mapping[str, float] | None = None,
+    *,
+    step: float = _STEP_OF_RUNS,
 ) -> MechanicsFit:
     """Find masses, centres of gravity, inertias and friction from pressures and positions.
 
@@ -114,6 +121,9 @@ def fit_mechanics(
         With what is known: sizes of cylinders, pins, and numbers that are the means of priors.
     spreads : mapping from path to standard deviation, SI, optional
         Of the numbers that are to be found; `mechanical_spreads` if not given.
+    step : float, s
+        With which `simulate` is to repeat the log with the numbers that are found; none for those of motion without steps, which differ where
+        viscous friction over half a step is not small against a joint's own inertia.
 
     Returns
     -------
@@ -122,9 +132,11 @@ def fit_mechanics(
     Raises
     ------
     InputError
-        Missing columns, friction that holds or play (which the linear equations do not have), no piece that is long enough, joints that never move
-        steadily.
+        Missing columns, a step that is negative or not finite, friction that holds or play (which the linear equations do not have), no piece that is
+        long enough, joints that never move steadily.
     """
+    if not 0.0 <= step < np.inf:
+        raise InputError(f"step = {step!r} s: must be none or positive, and finite, for example 0.005")
     held = [f.name for f in machine.functions if f.effects.sticks or f.effects.backlash is not None]
     if held:
         raise InputError(
@@ -145,14 +157,19 @@ def fit_mechanics(
     numbers = unbounded(machine, mechanical_spreads(machine) if spreads is None else spreads)
     base = base_parameters(machine)
     pieces = measured_pieces(machine, table)
-    rows = motion_rows(machine, base.numbers, pieces)
+    widths = weight_widths(machine, base.numbers, pieces)
+
+    def rows_of(pieces: Sequence[Piece]) -> MotionRows:
+        return motion_rows(machine, base.numbers, pieces, widths, step)
+
+    rows = rows_of(pieces)
     if rows.known.sum() < _FEW:
         raise InputError(
             f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least"
         )
     told = _told(rows)
-    told = told._replace(right=told.right - noise_pull(machine, base.numbers, pieces, told.weight, told.solution))
-    return _nearest(machine, numbers, base, told)
+    pull = noise_pull(rows_of, pieces, told.weight, told.solution)
+    return _nearest(machine, numbers, base, told._replace(right=told.right - pull))
 
 
 class _Told(NamedTuple):

@@ -19,12 +19,11 @@ from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.tables import Table
 
 FRICTION = ("coulomb", "static", "viscous")
-# s, widths of the filter, whose bias grows with its fourth power, and of the weight, which sets the noise
-_FILTER, _WEIGHT = 0.045, 0.08
-_FAR = 4.0  # widths after which they end
+_FILTER = 0.045  # s, its width; its bias grows with the fourth power of it
+_FAR, _ENDS = 4.0, 3.0  # widths after which the filter ends, and the weight
 _NEAR_STOP = 0.02  # rad or m
 _STEP = 1e-4  # s, of the difference along a motion
-_TURNS = 2.0  # Stribeck rates, below which friction is not told from its smoothing
+_TURNS = 1.0  # Stribeck rates, below which friction is not told from its smoothing
 
 
 class MotionRows(NamedTuple):
@@ -56,48 +55,66 @@ class Piece(NamedTuple):
     p_b: np.ndarray
 
 
-def motion_rows(machine: LayoutMachine, numbers: Sequence[Inertial], pieces: Sequence[Piece]) -> MotionRows:
+def motion_rows(
+    machine: LayoutMachine, numbers: Sequence[Inertial], pieces: Sequence[Piece], widths: np.ndarray, step: float = 0.0
+) -> MotionRows:
     """Rows of all pieces that are long enough.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    numbers : sequence of Inertial
+    pieces : sequence of Piece
+    widths : (n_function,) array, s
+        Of the weight of each function's equation.
+    step : float, s
+        Of the simulation that the rows are to agree with. It takes friction at the rate between the position before and this one, half a step
+        ago, so that an inertia acts as if it were smaller by viscous friction over half a step. None for motion without steps.
 
     Raises
     ------
     InputError
-        If none is.
+        If no piece is long enough.
     """
-    made = [rows for piece in pieces for rows in [_of_piece(machine, numbers, piece)] if rows is not None]
+    made = [rows for piece in pieces for rows in [_of_piece(machine, numbers, piece, widths, step)] if rows is not None]
     if not made:
         raster = min(_raster_of(piece) for piece in pieces)
-        least = (_least_rows(*(len(_gaussian(width, raster, 0.0)[0]) for width in (_FILTER, _WEIGHT))) - 1) * raster
+        longest = len(_modulating(float(np.max(widths)), raster)[0])
+        least = (_least_rows(len(_filter(raster)[0]), longest) - 1) * raster
         raise InputError(
             f"no piece of the log lasts {least:.3g} s without a gap; the mechanics cannot be identified from it"
         )
     return MotionRows(*(np.concatenate(parts) for parts in zip(*made, strict=True)))
 
 
-def _of_piece(machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece) -> MotionRows | None:
+def _of_piece(
+    machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece, widths: np.ndarray, step: float
+) -> MotionRows | None:
     raster = _raster_of(piece)
-    smooth, slope = _gaussian(_FILTER, raster, 0.5)
-    weight, weight_slope = _gaussian(_WEIGHT, raster, 0.0)
-    if len(piece.time) < _least_rows(len(smooth), len(weight)):
+    smooth, slope = _filter(raster)
+    weights = [_modulating(width, raster) for width in widths.tolist()]
+    longest = max(len(weight) for weight, _ in weights)
+    if len(piece.time) < _least_rows(len(smooth), longest):
         return None
     position, rate = _passed(piece.position, smooth), _passed(piece.position, slope)
-    oil = oil_torques(machine, piece.position, piece.p_a, piece.p_b)
-    torque = _passed(oil, smooth)
+    torque = _passed(oil_torques(machine, piece.position, piece.p_a, piece.p_b), smooth)
     late = -oil_torques(machine, position, _passed(piece.p_a, slope), _passed(piece.p_b, slope))[:, :, None]
     moments = _momentum(machine, numbers, position, rate)
-    rest = _rest(machine, numbers, position, rate)
-    friction = _friction(machine, rate)
-    stride = max(1, round(_WEIGHT / raster))
-    regressor = _passed(moments, weight_slope)[::stride] + _passed(rest, weight)[::stride]
-    known = _steady(machine, piece, position, rate, len(smooth) // 2)
-    half = len(weight) // 2
-    windows: np.ndarray = np.all(np.lib.stride_tricks.sliding_window_view(known, len(weight), axis=0), axis=-1)
-    return MotionRows(
-        np.concatenate([regressor, *(_passed(part, weight)[::stride] for part in (friction, late))], axis=-1),
-        _passed(torque, weight)[::stride],
-        windows[::stride],
-        piece.time[len(smooth) // 2 + half :][: len(windows) : stride],
-    )
+    before = rate - 0.5 * step * np.gradient(rate, raster, axis=0)
+    others = np.concatenate([_friction(machine, before), late], axis=-1)
+    rest = np.concatenate([_rest(machine, numbers, position, rate), others], axis=-1)
+    known, stride = _steady(machine, position, rate), max(1, round(widths.min() / raster))
+    of = []
+    for k, (weight, weight_slope) in enumerate(weights):
+        short = (longest - len(weight)) // 2  # at the same instants as the longest
+        inside = slice(short, len(rate) - short)
+        made = _passed(rest[inside, k], weight)
+        made[:, : len(numbers)] += _passed(moments[inside, k], weight_slope)
+        steady = np.all(np.lib.stride_tricks.sliding_window_view(known[inside, k], len(weight)), axis=-1)
+        of.append((made[::stride], _passed(torque[inside, k], weight)[::stride], steady[::stride]))
+    regressor, oil, told = (np.stack(parts, axis=1) for parts in zip(*of, strict=True))
+    first = len(smooth) // 2 + longest // 2
+    return MotionRows(regressor, oil, told, piece.time[first : len(piece.time) - first : stride])
 
 
 def _raster_of(piece: Piece) -> float:
@@ -144,7 +161,7 @@ def _friction(machine: LayoutMachine, rate: np.ndarray) -> np.ndarray:
     return found
 
 
-def _steady(machine: LayoutMachine, piece: Piece, position: np.ndarray, rate: np.ndarray, half: int) -> np.ndarray:
+def _steady(machine: LayoutMachine, position: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Where a joint is away from its stops and moves faster than what smooths its friction."""
     known = np.empty(rate.shape, dtype=bool)
     for k, f in enumerate(machine.functions):
@@ -154,18 +171,29 @@ def _steady(machine: LayoutMachine, piece: Piece, position: np.ndarray, rate: np
     return known
 
 
-def _gaussian(width: float, raster: float, flat: float) -> tuple[np.ndarray, np.ndarray]:
+def _filter(raster: float) -> tuple[np.ndarray, np.ndarray]:
     """A smooth weight over samples, and what gives the derivative of what it smooths.
 
-    With `flat` of one half it passes cubics as they are (the kernel of fourth order): what is made of filtered positions is then what it would
-    be of filtered torques, though not linear.
+    It is of fourth order, so that cubics pass as they are: what is made of filtered positions is then what it would be of filtered torques,
+    though not linear.
     """
-    half = max(2, int(np.ceil(_FAR * width / raster)))
+    half = max(2, int(np.ceil(_FAR * _FILTER / raster)))
     at = np.arange(-half, half + 1) * raster
-    square = (at / width) ** 2
+    square = (at / _FILTER) ** 2
     bell = np.exp(-0.5 * square)
-    weight = bell * (1.0 + flat * (1.0 - square))
-    slope = at * bell * (1.0 + flat * (3.0 - square))
+    weight, slope = bell * (1.5 - 0.5 * square), at * bell * (2.5 - 0.5 * square)
+    return weight / weight.sum(), slope / (slope @ at)
+
+
+def _modulating(width: float, raster: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same with an end, at three times its standard deviation, to which it falls with two derivatives: nothing is left at the ends.
+
+    A function that modulates (Shinbrot, Trans. ASME 79 (1957) 579).
+    """
+    half = max(2, int(np.ceil(_ENDS * width / raster)) - 1)
+    at = np.arange(-half, half + 1) * raster
+    inner = np.maximum(1.0 - (at / (_ENDS * width)) ** 2, 0.0)
+    weight, slope = inner**3, at * inner**2
     return weight / weight.sum(), slope / (slope @ at)
 
 
