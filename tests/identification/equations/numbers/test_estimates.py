@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.identification.equations.numbers.estimates import correlation_of, estimates_of, unhidden
+from polydraulic.identification.equations.numbers.estimates import correlation_of, estimates_of, left_out, unhidden
 
 
 def told(information, spreads):
@@ -57,3 +57,38 @@ def test_a_number_trades_against_three_others_that_go_with_it_by_nine_tenths():
 @pytest.mark.parametrize(("numbers", "factor"), [(0.0, 1.0), (10.0, 2.0), (18.0, 10.0), (19.0, 10.0), (40.0, 10.0)])
 def test_pulls_on_a_solution_hide_their_share_and_a_tenth_is_always_seen(numbers, factor):
     assert unhidden(20, numbers) == pytest.approx(factor)
+
+
+def test_parts_that_are_left_out_say_how_far_a_solution_moves():
+    rng = np.random.default_rng(1)
+    rows, prior = rng.normal(size=(8, 5, 2)), np.diag([0.1, 0.2])
+    right = np.einsum("pmn,n->pm", rows, [1.0, -2.0]) + rng.normal(size=(8, 5))
+
+    def solved(parts):
+        a, b = rows[parts].reshape(-1, 2), right[parts].reshape(-1)
+        return np.linalg.solve(a.T @ a + prior, a.T @ b)
+
+    everything = solved(np.arange(8))
+    without = np.array([solved(np.delete(np.arange(8), k)) for k in range(8)])
+    gram = np.swapaxes(rows, 1, 2) @ rows
+    gradient = np.einsum("pmn,pm->pn", rows, rows @ everything - right)
+    assert np.allclose(left_out(gram, gradient, prior), np.cov(without.T, ddof=0) * 7.0, rtol=1e-9)
+
+
+def test_a_number_that_few_parts_show_is_less_sure_than_pulls_as_they_are_say():
+    rng, found = np.random.default_rng(2), []
+    gram = np.geomspace(1.0, 300.0, 6)[:, None, None]  # the last part shows most of it
+    for _ in range(4000):
+        right = gram[:, :, 0] * 3.0 + np.sqrt(gram[:, :, 0]) * rng.normal(size=(6, 1))
+        value = right.sum() / gram.sum()
+        gradient = gram[:, :, 0] * value - right
+        found.append(
+            [value - 3.0, left_out(gram, gradient, np.zeros((1, 1)))[0, 0], (gradient**2).sum() / gram.sum() ** 2]
+        )
+    error, ours, plain = (
+        np.mean(np.square(found), axis=0)[0],
+        np.mean(np.transpose(found)[1]),
+        np.mean(np.transpose(found)[2]),
+    )
+    assert plain * unhidden(6, 1.0) < 0.7 * error
+    assert ours > 0.9 * error

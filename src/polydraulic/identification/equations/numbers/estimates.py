@@ -115,6 +115,27 @@ def unhidden(parts: int, numbers: float) -> float:
     return parts / max(parts - numbers, 0.1 * parts)
 
 
+def left_out(gram: np.ndarray, gradient: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    """Covariance of a solution by how far it moves when one part of a log is left out, (n, n).
+
+    Few parts that show a number, such as those in which a boom lifts, pull a solution towards themselves, each by as much as it shows: what
+    is left of their own pull would be too small (the jackknife; HC3 of MacKinnon and White, J. Econometrics 29 (1985) 305).
+
+    Parameters
+    ----------
+    gram : (n_part, n, n) array
+        Information of each part.
+    gradient : (n_part, n) array
+        Pull of each part at the solution.
+    prior : (n, n) array
+        Information of the priors.
+    """
+    others = gram.sum(0) + prior - gram
+    moved = np.linalg.solve(others, gradient[..., None])[..., 0]
+    moved = moved - moved.mean(0)
+    return np.asarray(moved.T @ moved * (len(gram) - 1) / len(gram))
+
+
 def correlation_of(information: np.ndarray, spreads: np.ndarray) -> np.ndarray:
     """How numbers go together where a log alone is asked; directions that it does not see count as seen a thousandth of the prior."""
     scaled = information * np.outer(spreads, spreads)

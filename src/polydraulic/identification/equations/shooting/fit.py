@@ -12,7 +12,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of, unhidden
+from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of, left_out
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
@@ -386,12 +386,11 @@ class _Search:
         assert self.here is not None
         reduced, spread = self._reduced(self.here), self.numbers.spread
         seen, prior, count = reduced.gram.sum(0), np.diag(1.0 / spread**2), len(reduced.gradient)
-        scatter = reduced.gradient - reduced.gradient.mean(0)
-        scatter = scatter.T @ scatter * unhidden(count, 1.0 + float(np.trace(np.linalg.solve(seen + prior, seen))))
         # few windows say little of their scatter: then the noise alone says as much
         share = len(spread) / (len(spread) + count)
         inverse = np.linalg.inv(seen + prior)
-        covariance = inverse @ ((1.0 - share) * scatter + share * seen + prior) @ inverse
+        covariance = (1.0 - share) * left_out(reduced.gram, reduced.gradient, prior)
+        covariance += inverse @ (share * seen + prior) @ inverse
         return estimates_of(
             self.numbers.paths, from_unbounded(self.numbers, u), covariance, spread, correlation_of(seen, spread)
         )
