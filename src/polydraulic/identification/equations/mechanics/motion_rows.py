@@ -23,7 +23,7 @@ _FILTER = 0.045  # s, its width; its bias grows with the fourth power of it
 _FAR, _ENDS = 4.0, 3.0  # widths after which the filter ends, and the weight
 _NEAR_STOP = 0.02  # rad or m
 _STEP = 1e-4  # s, of the difference along a motion
-_TURNS = 1.0  # Stribeck rates, below which friction is not told from its smoothing
+_TURNS = 2.0  # Stribeck rates, below which friction is not told from its smoothing
 
 
 class MotionRows(NamedTuple):
