@@ -1,3 +1,5 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -273,3 +275,21 @@ def test_a_refinement_that_only_fits_its_sample_is_made_again_with_all_rows(monk
     model = AbductiveRegressor(max_layers=2).fit(X, y)
     assert calls == [2000, 6000, 6000]
     assert model.fse_ < 1e-4
+
+
+def test_fits_of_several_threads_at_once_have_the_bits_of_one_alone():
+    """Products are so large that their last digits would tell how many threads share them."""
+    rng = np.random.default_rng(0)
+    x = rng.normal(size=(400, 5))
+    y = x[:, 0] * x[:, 1] + np.sin(x[:, 2]) + 0.1 * rng.normal(size=400)
+    weight = rng.uniform(0.0, 2.0, size=400)
+
+    def fitted(rows):
+        model = AbductiveRegressor(max_layers=2, refine=False)
+        return model.fit(x[:rows], y[:rows], sample_weight=weight[:rows]).predict(x)
+
+    sizes = [400, 350, 390, 400]
+    alone = [fitted(size) for size in sizes]
+    with ThreadPoolExecutor(2) as pool:
+        for found, expected in zip(pool.map(fitted, sizes), alone, strict=True):
+            assert np.array_equal(found, expected)

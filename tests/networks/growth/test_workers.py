@@ -2,7 +2,8 @@ import math
 import os
 import signal
 import warnings
-from threading import current_thread
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier, current_thread
 
 import numpy as np
 import pytest
@@ -66,3 +67,28 @@ def test_contexts_that_overlap_leave_blas_as_it_was():
     assert blas_threads() == {1}
     other.__exit__(None, None, None)
     assert blas_threads() == before
+
+
+def test_the_limit_holds_in_every_thread_until_the_last_context_ends():
+    """Also after another thread, which is still there, was the first to set it."""
+    np.ones((2, 2)) @ np.ones((2, 2))
+    before, both = blas_threads(), Barrier(2, timeout=60.0)
+    with one_blas_thread():
+        pass
+
+    def inside(leaves_first):
+        found = []
+        with one_blas_thread():
+            both.wait()
+            found.append(blas_threads())
+            if not leaves_first:
+                both.wait()
+                found.append(blas_threads())
+        if leaves_first:
+            both.wait()
+        return found
+
+    for _ in range(3):
+        with ThreadPoolExecutor(2) as pool:
+            assert list(pool.map(inside, [True, False])) == [[{1}], [{1}, {1}]]
+        assert blas_threads() == before

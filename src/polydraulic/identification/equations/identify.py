@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
@@ -33,6 +32,7 @@ from polydraulic.identification.equations.ways.by_runs import find_left, lacking
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.identification.plausible import check_plausible, check_units
+from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_machine, machine_path
@@ -167,7 +167,7 @@ def identify(
     raster = raster_within(table["time"], segment)
     simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
     steps = len(before.functions) + 2 * len(before.circuits) + 1 + simulated
-    with threadpool_limits(limits=1, user_api="blas"):  # matrices are narrow: threads would cost more than they do
+    with one_blas_thread():  # matrices are narrow: threads would cost more than they do
         signals: dict[str, Signals] = {}
         for number, f in enumerate(before.functions):
             progress(f"{f.name}: sensors and pilot", number, steps)

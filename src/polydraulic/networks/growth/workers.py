@@ -30,24 +30,39 @@ def _libraries() -> ThreadpoolController:
 
 
 _limited = Lock()
-_limits: list[Any] = []  # what the first context has set, once for each that is inside
+_keepers: list[
+    tuple[ThreadPoolExecutor, Any]
+] = []  # the thread that limits BLAS and what it has set, once for each context that is inside
+
+
+def _limit() -> Any:
+    return _libraries().limit(limits=1, user_api="blas").__enter__()
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """Context in which BLAS keeps to one thread: with matrices as small as here, several wait for each other more than they compute.
 
-    Contexts of several threads may overlap: the first sets, the last gives back.
+    How many threads share a product decides its last digits, so that the limit must hold in whichever thread a context is. Contexts
+    of several threads may overlap: the first sets, the last gives back. A library that is limited for the whole process obeys the thread
+    alone that has limited it first, until that gives back; hence a thread of its own for that, and the caller's limit for libraries that
+    are limited thread by thread.
     """
     with _limited:
-        _limits.append(_limits[0] if _limits else _libraries().limit(limits=1, user_api="blas"))
+        if not _keepers:
+            keeper = ThreadPoolExecutor(1)
+            _keepers.append((keeper, keeper.submit(_limit).result()))
+        else:
+            _keepers.append(_keepers[0])
     try:
-        yield
+        with _libraries().limit(limits=1, user_api="blas"):
+            yield
     finally:
         with _limited:
-            before = _limits.pop()
-            if not _limits:
-                before.restore_original_limits()
+            keeper, limit = _keepers.pop()
+            if not _keepers:
+                keeper.submit(limit.__exit__, None, None, None).result()
+                keeper.shutdown()
 
 
 def in_threads(call: Callable[[A], B], items: Iterable[A]) -> list[B]:

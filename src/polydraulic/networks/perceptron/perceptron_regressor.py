@@ -11,10 +11,10 @@ import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
-from threadpoolctl import threadpool_limits
 
 from polydraulic.errors import InputError
 from polydraulic.networks.growth.training_rows import check_narrow, check_span, constant_columns
+from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import drawn_rows
 from polydraulic.networks.model.fitted import checked_box, settings_of, variables
 from polydraulic.networks.model.model import Model, Variable
@@ -209,7 +209,7 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
         random = check_random_state(self.random_state)
         runs = []
         # The matrices are slim: a second thread costs more than it brings, and would change the order of sums.
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_blas_thread():
             for _ in range(self.n_starts):
                 start = starting_weights(random, task, varies)
                 if self.solver == "lbfgs":
