@@ -17,7 +17,8 @@ READ = {
 NAMES = [
     "p_bar", "p bar", "km/h", "m/s", "l/min", "rev/min", "U/min", "N/mm2", "bar/s", "pulses/s", "count/min", "strokes in h", "fuel, h", "valve/A",
     "flow in A", "port, A", "p/A", "p/V", "pressure in mA", "on/off", "A/C", "a/g", "T/C", "in/out", "/bar", "bar/", "x in tank", "time/mm", "a, b", "p/1",
-    "P (IN)", "P (A)", "Cylinder (Rod)", "Mode (Auto)", "load (LS)", "rate/1", "time/frame", "s/n", "/", "in bar", ", bar",
+    "P (IN)", "Flow (In)", "T (Min)", "Speed (MIN)", "Pressure (HP)", "Pump (HP)", "Gear (Rev)", "P (A)",
+    "Cylinder (Rod)", "Mode (Auto)", "load (LS)", "rate/1", "time/frame", "s/n", "/", "in bar", ", bar",
 ]  # fmt: skip
 
 

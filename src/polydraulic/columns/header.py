@@ -18,7 +18,8 @@ _SYMBOLS = frozenset(
     "s ms us µs ns min h sec m mm cm km µm um in ft bar mbar barg bara psi psig psia Pa hPa kPa MPa Nm N kN MN J kJ W kW V mV kV "
     "mA kg t l L ml cc cm3 m3 rev U deg ° grad rad rpm RPM 1/min Hz kHz °C degC degF K % gpm GPM lpm LPM lbf lb hp PS g Ω Ohm".split()
 ) | {unit for units in FACTORS.values() for unit in units if len(unit) > 1}
-_FOLDED = frozenset(symbol.casefold() for symbol in _SYMBOLS if len(symbol) > 1)
+# units but for capitals; In, Min, HP and Rev are as often inlet, least value, high pressure and reverse
+_FOLDED = frozenset(symbol.casefold() for symbol in _SYMBOLS if len(symbol) > 1) - {"in", "min", "hp", "rev"}
 _WITH_UNIT = re.compile(r"^\s*[+-]?[0-9][0-9.,]*([eE][+-]?[0-9]+)?\s*(?P<unit>[^\s0-9.,].*?)\s*$")
 _ALSO = ("A", "bar(g)", "bar(a)", "psi(g)", "psi(a)")  # units in parentheses, but for ports of pressures
 _FORMS = (
@@ -89,8 +90,8 @@ def _split(head: str) -> tuple[str, str]:
     if match:
         inner = match["unit"].strip()
         pressure = re.match(r"(?i)^(p|pressure|druck)\b", match["name"])
-        port = pressure and inner in ("A", "IN")
-        if (is_unit(inner) or _is_capital_unit(inner) or inner in _ALSO) and not port:
+        known = is_unit(inner) or _is_capital_unit(inner) or inner in _ALSO
+        if known and not (pressure and inner == "A"):
             return match["name"].rstrip("/ "), inner
     head = head.strip()
     for form in _FORMS:

@@ -23,8 +23,8 @@ _OTHER_FILES = {  # by how they begin
     b"PK\x03\x04": "it is a workbook or an archive: save the sheet as CSV, or unpack it",
     b"\xd0\xcf\x11\xe0": "it is a workbook: save the sheet as CSV",
     b"\x89HDF": "it is HDF5: a MAT file of version 7.3 ends in .mat",
-    b"MDF ": "it is MDF: call it .mf4",
-    b"PAR1": "it is Parquet: call it .parquet",
+    b"MDF     ": "it is MDF: call it .mf4",
+    b"PAR1\x15": "it is Parquet: call it .parquet",
 }
 DAMAGED = (OSError, EOFError, zlib.error)  # what gzip raises on damaged files, and a disk
 

@@ -134,6 +134,8 @@ def test_blocks_follow_each_other(tmp_path, ending):
         ("a.csv", b"a\0b,c\n", "is not text"),
         ("a.csv", b"\x1f\x8b\x08\0\0", r"is not text; .*: it is packed by gzip: call it \.csv\.gz"),
         ("a.csv", b"PK\x03\x04\0\0", "is not text; .*: it is a workbook or an archive"),
+        ("a.csv", b"PAR1\x15\x04", r"is not text; .*: it is Parquet: call it \.parquet"),
+        ("a.csv", b"MDF     3.30", r"is not text; .*: it is MDF: call it \.mf4"),
         ("a.csv.gz", b"time,a\n1,2\n", r"cannot be read \(damaged, or not packed .* call it \.csv if it is text"),
         ("a.csv.zip", b"x", "a log ends in one of .*; unpack it"),
         ("a.parquet", b"PAR1 nonsense", "cannot be read as a Parquet log"),
@@ -146,6 +148,13 @@ def test_a_bad_file_is_one_error(tmp_path, name, content, message):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=message):
         open_log(tmp_path / name)
+
+
+@pytest.mark.parametrize("head", ["PAR1,PAR2", "MDF x,time"])
+def test_names_that_begin_as_other_files_do_are_names(tmp_path, head):
+    (tmp_path / "a.csv").write_text(f"{head}\n" + "".join(f"{k},{k % 7}\n" for k in range(50)))
+    with open_log(tmp_path / "a.csv") as log:
+        assert [signal.name for signal in log.signals] == head.split(",")
 
 
 @pytest.mark.parametrize("name", ["a.tsv", "a.dat", "A.DAT"])
