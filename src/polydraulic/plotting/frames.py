@@ -98,10 +98,13 @@ def _channels(tables: list[Table], moving: list[str], units: str) -> list[Plotte
             ("joystick", "voltage"),
         ):
             add(name, title, f"{name}.{quantity}")
-    for circuit in sorted({circuit_of(tables[0], name) for name in moving}):
-        add("pumps and tip", f"{circuit} pump pressure", f"{circuit}.p_pump")
-    add("pumps and tip", "tip height", "effector.z")
+    circuits = sorted({circuit_of(tables[0], name) for name in moving})
+    told = [name for name in circuits if all(f"{name}.p_pump" in table.names for table in tables)]
+    group = "pumps and tip" if told else "tip"
+    for circuit in told:
+        add(group, f"{circuit} pump pressure", f"{circuit}.p_pump")
+    add(group, "tip height", "effector.z")
     if len(tables) > 1:
         apart = [as_shown(effector_distance(tables[0], table), "m", units) for table in tables]
-        found.append(PlottedChannel("pumps and tip", "tip from first", shown_unit("m", units), apart))
+        found.append(PlottedChannel(group, "tip from first", shown_unit("m", units), apart))
     return found
