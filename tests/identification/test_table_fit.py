@@ -155,10 +155,32 @@ def test_rows_beyond_bounds_are_told_rather_than_that_nothing_was_learnt():
     beyond = int((10.0 * a * a > 1.05).sum())
     bounded = fit_table(table, ["a"], ["y"], estimator=AbductiveRegressor(output_bounds=(0.0, 1.0)))
     assert bounded.doubts == [
-        f"y: {beyond} of 400 rows lie beyond its bounds [0, 1] bar, which the model cannot leave: widen them, unless these rows are wrong"
+        f"y: {beyond} of 400 rows lie beyond its bounds, 0 bar to 1 bar, which the model cannot leave: widen them, unless these rows are wrong"
     ]
     near = fit_table(table, ["a"], ["y"], estimator=AbductiveRegressor(output_bounds=(0.2, 9.9)))
     assert not any("bounds" in doubt for doubt in near.doubts)
+
+
+def test_bounds_are_told_in_the_units_that_are_shown():
+    a = np.random.default_rng(2).uniform(size=400)
+    bounded = fit_table(
+        Table({"a": a, "q": 1e-3 * a}, {"q": "m3/s"}),
+        ["a"],
+        ["q"],
+        estimator=AbductiveRegressor(output_bounds=(0.0, 5e-4)),
+    )
+    assert "beyond its bounds, 0 l/min to 30 l/min, which" in bounded.text()
+    assert "beyond its bounds, 0 m3/s to 0.0005 m3/s, which" in bounded.text("si")
+
+
+@pytest.mark.parametrize(("beyond", "sentences"), [(1, 2), (40, 2), (41, 1)])
+def test_few_rows_beyond_bounds_do_not_hide_that_nothing_was_learnt(beyond, sentences):
+    a, y = np.random.default_rng(5).uniform(size=(2, 400))
+    y[:beyond] += 2.0
+    table = Table({"a": a, "y": y}, {})
+    doubts = fit_table(table, ["a"], ["y"], estimator=AbductiveRegressor(output_bounds=(0.0, 1.0))).doubts
+    assert len(doubts) == sentences
+    assert doubts[0].startswith(f"y: {beyond} of 400 rows lie beyond its bounds, 0 to 1, ")
 
 
 def test_tiny_numbers_are_no_copies_of_each_other():

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn.base import clone
 
-from polydraulic.display import DEFAULT
+from polydraulic.display import DEFAULT, amount
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, parts_of, table_of
-from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged, unit_after
+from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.far_values import far_values_told_elsewhere
 from polydraulic.networks.growth.regressor import AbductiveRegressor
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _COPY = 1e-10  # below one, of a correlation: no two sensors agree so well
 _NOISE = 0.05  # of the span of bounds, by which noise may lie beyond them
+_MANY = 0.1  # of all rows: where so many lie beyond bounds, these are why little was learnt
 _TIMED = "time is an input: the models know the times of this table alone, and others lie outside of their domain"
 _LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
@@ -65,13 +66,16 @@ class TableFit:
 
     @property
     def doubts(self) -> list[str]:
-        """What makes the models doubtful, in sentences: values far from all others; outputs that the inputs do not determine, or are."""
+        """What makes the models doubtful, in sentences: values far from all others; outputs beyond bounds, or that inputs do not determine, or are."""
+        return self._doubts(DEFAULT)
+
+    def _doubts(self, units: str) -> list[str]:
         far = far_from_others(self.table, self.models)  # beside these, nothing shows whether inputs determine an output
         of_outputs = [
             doubt
             for found in self.outputs
             for doubt in (
-                _beyond_bounds(found, self.table) or ("" if found.model.output.name in far else found.doubt),
+                *_of_bounds(found, self.table, units, told=found.model.output.name in far),
                 _copied(found, self.table),
             )
             if doubt
@@ -82,7 +86,7 @@ class TableFit:
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""
         deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
-        warnings = [f"warning: {doubt}" for doubt in self.doubts]
+        warnings = [f"warning: {doubt}" for doubt in self._doubts(units)]
         outputs = [line for found in self.outputs for line in (found.text(units), *self._one_region(found))]
         return "\n".join([*deadbands, *outputs, *warnings])
 
@@ -220,17 +224,20 @@ def _copied(found: OutputFit, table: Table) -> str:
     return ""
 
 
-def _beyond_bounds(found: OutputFit, table: Table) -> str:
-    """Sentence on rows that bounds of the output keep out of reach; empty if hardly any is."""
-    y, networks = table[found.model.output.name], found.model.networks
+def _of_bounds(found: OutputFit, table: Table, units: str, *, told: bool) -> list[str]:
+    """Sentences on rows that bounds of the output keep out of reach, and on what was learnt, unless many such rows or others `told` are why."""
+    y, networks, output = table[found.model.output.name], found.model.networks, found.model.output
     low, high = min(n.y_low for n in networks), max(n.y_high for n in networks)
     beyond = int(np.sum((y < low - _NOISE * (high - low)) | (y > high + _NOISE * (high - low))))
+    learnt = "" if told or beyond > _MANY * len(y) else found.doubt
     if not beyond:
-        return ""
-    return (
-        f"{found.model.output.name}: {beyond} of {len(y)} rows lie beyond its bounds [{low:.6g}, {high:.6g}]{unit_after(found.model.output)}, which the "
-        "model cannot leave: widen them, unless these rows are wrong"
-    )
+        return [learnt]
+    ends = " to ".join(amount(end, output.unit, units) for end in (low, high))
+    return [
+        f"{output.name}: {beyond} of {len(y)} rows lie beyond its bounds, {ends}, which the model cannot leave: widen them, unless these rows "
+        "are wrong",
+        learnt,
+    ]
 
 
 def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray, tuple[np.ndarray, ...]]) -> list[RegionRegressor]:
