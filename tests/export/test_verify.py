@@ -49,8 +49,21 @@ def test_differences_are_shown_in_the_unit_of_the_output_and_borders_that_round_
     assert lines[2].split() == ["onnx", "float:", "p", "[bar]", "0.2", "0.3", "0", "-", "7", "rounded"]
     assert lines[3].endswith("as at 7 of the points, which all lie on borders: no fault of it")
     assert lines[4] == "verified: nothing could be judged here"
-    assert agreement_table([agreement._replace(rounded=6)], {}).splitlines()[2].endswith("7 differ")
+    elsewhere = agreement_table([agreement._replace(rounded=6)], {}).splitlines()
+    assert elsewhere[2].endswith("7 differ")
+    assert elsewhere[3].endswith("it may answer for the other side")
+    others = [agreement._replace(target="c float"), agreement._replace(domain=0, rounded=0)]
+    assert agreement_table(others, {}).splitlines()[4].endswith("it may answer for the other side")
     assert agreement_table([agreement], {}, "si").splitlines()[2].split()[2:5] == ["p", "[Pa]", "2e+04"]
+
+
+def test_the_verdict_counts_its_targets():
+    right = verify.Agreement("python", "p", 0.0, 0.0, 0.0, 0.0, 0, 1.0, True)
+    wrong = right._replace(inside=1.0)
+    assert agreement_table([right], {}).endswith("verified: python gives what the package gives")
+    assert agreement_table([wrong], {}).endswith("python does not give what the package gives")
+    both = [wrong, wrong._replace(target="c double")]
+    assert agreement_table(both, {}).endswith("verified: no: python, c double do not give what the package gives")
 
 
 def test_a_wrong_number_is_told(exported_models, monkeypatch):

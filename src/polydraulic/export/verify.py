@@ -174,11 +174,16 @@ def agreement_table(found: Sequence[Agreement], not_tried: dict[str, str], units
         for name, a in zip(names, found, strict=True)
         if a.used is not None and a.allowance is not None
     ]
-    rounded = max((a.rounded for a in found if not a.exact), default=0)
-    if any(a.target == "onnx float" for a in found):
+    rounded = [a for a in found if a.target == "onnx float"]
+    if rounded:
+        only_borders = rounded[0].domain and rounded[0].domain == rounded[0].rounded  # the same for all outputs
         lines.append(
             "onnx float rounds borders too: next to one it may answer for the other side"
-            + (f", as at {rounded} of the points, which all lie on borders: no fault of it" if rounded else "")
+            + (
+                f", as at {rounded[0].rounded} of the points, which all lie on borders: no fault of it"
+                if only_borders
+                else ""
+            )
         )
     lines += [f"not tried: {target}: {why}" for target, why in not_tried.items()]
     return "\n".join([*lines, _verdict(found)])
@@ -207,11 +212,11 @@ def _verdict(found: Sequence[Agreement]) -> str:
     """One line on all targets."""
     wrong = list(dict.fromkeys(a.target for a in found if not a.holds))
     if wrong:
-        return f"verified: no: {', '.join(wrong)} does not give what the package gives"
+        return f"verified: no: {', '.join(wrong)} {'does' if len(wrong) == 1 else 'do'} not give what the package gives"
     proved = any(a.used is not None for a in found)
     judged = list(dict.fromkeys(a.target for a in found if a.exact or a.used is not None))
     return (
-        f"verified: {', '.join(judged)} give what the package gives"
+        f"verified: {', '.join(judged)} {'gives' if len(judged) == 1 else 'give'} what the package gives"
         + (", c float within what is proved of it" if proved else "")
         if judged
         else "verified: nothing could be judged here"
