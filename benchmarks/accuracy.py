@@ -48,7 +48,7 @@ NO_FORMULA = {"MLP 64x64", "HistGradientBoosting"}
 
 
 class Outcome(NamedTuple):
-    """R2 of each fold (minus infinity without a prediction), CPU seconds of each fit (NaN then), and what went wrong."""
+    """R2 of each fold (minus infinity without a prediction), CPU seconds of each fit (NaN without one, or no time), and what went wrong."""
 
     scores: np.ndarray
     seconds: list[float]
@@ -81,7 +81,8 @@ def outcome(found, folds):
         r2_score(fold[3], np.nan_to_num(predicted, nan=1e150, posinf=1e150, neginf=-1e150))
         for fold, (predicted, _) in zip(folds, found, strict=True)
     ]
-    return Outcome(np.array(scores), [seconds for _, seconds in found])
+    # a clock that has stood still has measured nothing
+    return Outcome(np.array(scores), [seconds if seconds > 0.0 else np.nan for _, seconds in found])
 
 
 def accuracy(sets, peers):
@@ -112,7 +113,7 @@ def accuracy(sets, peers):
 
 
 def summary(title, names, found):
-    """Mean ranks of the mean R2, 1 the best; fit time as ratio to ours, median and quartiles of the folds, geometric means over sets."""
+    """Mean ranks of the mean R2, 1 the best; fit time as ratio to ours, median and quartiles of the folds, geometric means over sets with times."""
     means = np.array([[np.mean(result.scores) for result in row.values()] for row in found.values()])
     ratios = np.array([[ratio_of(row[name].seconds, row[OURS].seconds) for name in names] for row in found.values()])
     formula = np.array([name not in NO_FORMULA for name in names])
