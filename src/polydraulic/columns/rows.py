@@ -111,20 +111,24 @@ def _parsed(
     """Blocks of whole lines, what the parser makes of them, the share of the file that has been read, and a last value that is cut off."""
     import pyarrow as pa
 
+    earlier = b""
     try:
         with Source(path, found.encoding, dialect.begin, dialect.delimiter == BLANKS) as source:
             for block in source.lines(BLOCK):
                 text, cut = without_stray_quotes(block), ""
                 if str(dialect.width - 1) in parser.needed:
-                    text, cut = without_cut_line(text, parser.delimiter, parser.decimal)
+                    text, cut = without_cut_line(text, parser.delimiter, parser.decimal, earlier)
+                    earlier = (earlier + text[-_BEFORE_CUT:])[-_BEFORE_CUT:]
                 yield text, *parser.parse(text), source.share, cut
     except (pa.ArrowException, UnicodeError, *DAMAGED) as error:
         said = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"{path}: cannot be read as a CSV log ({said})") from error
 
 
-def without_cut_line(text: bytes, delimiter: str, decimal: str = ".") -> tuple[bytes, str]:
+def without_cut_line(text: bytes, delimiter: str, decimal: str = ".", earlier: bytes = b"") -> tuple[bytes, str]:
     """Lines without a last one that breaks off within its last value, and what is left of this one; empty where none breaks off.
+
+    `earlier` is what stands before them.
 
     A logger that loses its power leaves 10 of 101.99. The file then ends without the end of a line, behind a value with fewer decimals than
     any before it, or a whole number with fewer digits than those just before. Where there are decimals, digits say nothing: 9.99 follows 10.00.
@@ -133,7 +137,7 @@ def without_cut_line(text: bytes, delimiter: str, decimal: str = ".") -> tuple[b
         return text, ""
     start = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
     line, mark = text[start:], delimiter.encode()
-    before = text[max(0, start - _BEFORE_CUT) : start].splitlines()[1:]
+    before = (earlier + text[max(0, start - _BEFORE_CUT) : start]).splitlines()[1:]
     others = [one.rpartition(mark)[2].strip() for one in before if one.count(mark) == line.count(mark)]
     others, last = [one for one in others if one], line.rpartition(mark)[2].strip()
     if not last or len(others) < _COMPARED or b'"' in line:
@@ -212,7 +216,7 @@ class _Parser:
             return "skip"
 
         table = csv.read_csv(
-            pa.py_buffer(text),
+            pa.py_buffer(text or b"\n"),  # nothing is left of a block of one line that breaks off
             # one thread, since only then are lines numbered
             csv.ReadOptions(use_threads=False, block_size=len(text) + 1, column_names=self.names),
             csv.ParseOptions(delimiter=self.delimiter, invalid_row_handler=keep),

@@ -322,7 +322,9 @@ def test_a_line_longer_than_a_block_is_refused(tmp_path, monkeypatch):
         ("0.6", ""),
     ],
 )
-def test_a_last_value_that_may_be_cut_off_is_left_out(tmp_path, end, left_out):
+@pytest.mark.parametrize("size", [1 << 22, 600, 660])  # the last block is all, some lines, one
+def test_a_last_value_that_may_be_cut_off_is_left_out(tmp_path, end, left_out, size, monkeypatch):
+    monkeypatch.setattr("polydraulic.columns.rows.BLOCK", size)
     rows = "".join(f"{i / 100:.2f},{100 + i % 7}.5\n" for i in range(60))
     (tmp_path / "log.csv").write_text("time,p\n" + rows + end)
     found, table = import_of(tmp_path / "log.csv")
