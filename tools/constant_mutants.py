@@ -80,7 +80,8 @@ def changed(value: object) -> list[tuple[str, object]]:
     others: list[float] = [0.75 * value, 1.25 * value]
     if isinstance(value, int):
         others = [floor(others[0]), ceil(others[1])] if value > 0 else [value - 1, value + 1]
-    return [(f" = {value:.6g} -> {other:.6g}", other) for other in others]
+    # three quarters of nothing, or of what has no end, are the same
+    return [(f" = {value:.6g} -> {other:.6g}", other) for other in others if abs(other - value) > 0.0]
 
 
 def holders(module: ModuleType, name: str) -> list[ModuleType]:
