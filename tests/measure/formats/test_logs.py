@@ -138,6 +138,7 @@ def test_blocks_follow_each_other(tmp_path, ending):
         ("a.csv", b"MDF     3.30", r"is not text; .*: it is MDF: call it \.mf4"),
         ("a.csv.gz", b"time,a\n1,2\n", r"cannot be read \(damaged, or not packed .* call it \.csv if it is text"),
         ("a.csv.zip", b"x", "a log ends in one of .*; unpack it"),
+        ("a.txt.gz", b"x", r"a log ends in one of .*; a text of columns that gzip packed is read as \.csv\.gz"),
         ("a.parquet", b"PAR1 nonsense", "cannot be read as a Parquet log"),
         ("a.mf4", b"nonsense", "cannot be read as an MDF log"),
         ("a.mat", b"nonsense", "cannot be read as a MAT log"),

@@ -54,6 +54,7 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
     if ending is None:
         hint = "save the sheet as .csv" if path.suffix.lower() in _SHEETS else "a text of columns is read as .csv"
         hint = "unpack it" if path.suffix.lower() in _PACKED else hint
+        hint = "a text of columns that gzip packed is read as .csv.gz" if path.suffix.lower() == ".gz" else hint
         raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}; {hint}")
     if not path.is_file():
         raise InputError(f"{path}: no such file")
