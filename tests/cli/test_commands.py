@@ -130,12 +130,12 @@ def test_sample_fit_export(call, tmp_path):
     assert code == 0
     assert out.count("held-out R2") == 2
     assert [str(m.output) for m in load_models(model)] == ["boom.q_in [m3/s]", "boom.p_pump [Pa]"]
-    code, out, _ = call("export", model, "--to", "c", "--out", tmp_path / "c")
+    code, out, _ = call("export", model, "--to", "c", "--out", tmp_path / "of boom")
     assert code == 0
-    assert sorted(p.name for p in (tmp_path / "c").iterdir()) == ["q.c", "q.h"]
+    assert sorted(p.name for p in (tmp_path / "of boom").iterdir()) == ["q.c", "q.h"]
     assert "q.c" in out
     assert "note: names: boom.travel is boom_travel" in out
-    assert f"gcc -std=c99 -DQ_SELF_TEST {tmp_path / 'c' / 'q.c'} -lm" in out
+    assert f"gcc -std=c99 -DQ_SELF_TEST '{tmp_path / 'of boom' / 'q.c'}' -lm" in out
     code, out, _ = call("export", model, "--to", "fmi2", "--out", tmp_path / "boom.fmu")
     assert code == 0
     assert (tmp_path / "boom.fmu").stat().st_size > 10_000

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -242,7 +243,7 @@ def export(
     if to == "c":
         source = written.files[1]
         print(
-            f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {source} -lm, and run what comes of it: exit code 0 where it answers "
+            f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {quote(str(source))} -lm, and run what comes of it: exit code 0 where it answers "
             "as the package does"
         )
 
