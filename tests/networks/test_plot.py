@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.networks import Variable
-from polydraulic.networks.model.nodes import LINEAR, RAMP, SIGMOID
+from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, RAMP, SIGMOID
 from polydraulic.networks.model.table import Network, Node
 from polydraulic.networks.plot import ROW, draw_history, draw_network, draw_regions, layers_of, node_rows
 
@@ -20,6 +20,15 @@ def test_a_drawing_shows_every_node():
     assert len(texts) == 2 + len(model.network_.nodes) + 1
     assert texts[0] == "N1\np"
     assert texts[-1] == "U\nflow"
+
+
+def test_terms_that_were_left_out_of_a_node_are_not_counted():
+    node = Node(LINEAR, (0, 1), (1.0, 0.0))
+    network = Network((node,), (0.0,) * 2, (1.0,) * 2, (-1.0,) * 2, (1.0,) * 2, 0.0, 1.0, -9.0, 9.0)
+    axis = Figure().subplots()
+    draw_network(axis, network, [Variable("p"), Variable("q")], Variable("flow"))
+    kind, number = axis.texts[2].get_text().split("\n")
+    assert (kind, int(number)) == (KIND_NAMES[LINEAR], network.n_coefficients) == (KIND_NAMES[LINEAR], 1)
 
 
 def test_a_node_stands_one_layer_behind_what_it_reads():

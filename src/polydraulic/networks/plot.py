@@ -22,6 +22,8 @@ _BOX = {"boxstyle": "round,pad=0.35", "linewidth": 0.8}
 def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], output: Variable) -> None:
     """Draw a network from its inputs (left) to its output (right); a line is as wide as its coefficients are large.
 
+    Below the kind of a node stands how many coefficients it has; terms that were left out do not count.
+
     Parameters
     ----------
     axis : matplotlib Axes
@@ -49,7 +51,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
             text, color = f"N{slot + 1}\n{as_drawn(str(inputs[slot]))}", "#dbe9f6" if slot in used else "#eeeeee"
         else:
             node = network.nodes[slot - network.n_inputs]
-            text, color = f"{KIND_NAMES[node.kind]}\n{len(node.coef)}", "#fde8c8"
+            text, color = f"{KIND_NAMES[node.kind]}\n{sum(c != 0.0 for c in node.coef)}", "#fde8c8"
         axis.text(x, y, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": color}, zorder=2)
     if network.nodes:
         axis.plot(
