@@ -50,6 +50,8 @@ def test_one_column_in_another_unit_is_named(excavator, name, factor, unit):
 def test_pressures_that_are_all_in_bar_are_named_and_a_dead_sensor_is_none():
     with pytest.raises(InputError, match="the largest pressure at a port of the log is 110 Pa"):
         check_pressures(Table({name: 1e-5 * PLAIN[name] for name in ("boom.p_a", "boom.p_b")}, {}), ["boom"])
+    with pytest.raises(InputError, match=r"column 'boom.p_b' lies between .* no more than 2000 bar can be"):
+        check_pressures(Table({"boom.p_a": PLAIN["boom.p_a"], "boom.p_b": 1e5 * PLAIN["boom.p_b"]}, {}), ["boom"])
     check_pressures(Table({"boom.p_a": PLAIN["boom.p_a"], "boom.p_b": np.full(100, 12.0)}, {}), ["boom"])
 
 

@@ -23,6 +23,7 @@ UNITS = {
 }
 _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
+_MOST_PRESSURE = 2e8  # Pa, several times what mobile hydraulics stands
 _LEAST_OF_ONE = 1e4  # Pa, which even the port of a returning line passes; 10,000 psi and more nobody has
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
 _LEVERS = 10.0  # times the voltage of full travel
@@ -85,7 +86,10 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
 
 
 def check_pressures(table: Table, functions: Collection[str]) -> None:
-    """Refuse pressures at ports of functions that are not in Pa: none of the log comes to one bar, or a single one that varies not to a tenth of it."""
+    """Refuse pressures at ports of functions that are not in Pa.
+
+    None of the log comes to one bar, or a single one that varies not to a tenth of it, or many rows are beyond what any hydraulics stands.
+    """
     ports = [f"{function}.{port}" for function in functions for port in ("p_a", "p_b")]
     highest = {name: float(table[name].max()) for name in ports if name in table.names}
     most = max(highest.values(), default=0.0)
@@ -95,6 +99,8 @@ def check_pressures(table: Table, functions: Collection[str]) -> None:
             "must be in Pa; import the log with the sensors' unit"
         )
     for name, largest in highest.items():
+        if (table[name] > _MOST_PRESSURE).mean() > _MANY:
+            raise _not_si(table, name, f"no more than {amount(_MOST_PRESSURE, 'Pa')} can be: it must be in Pa")
         if 0.0 < largest < _LEAST_OF_ONE and np.ptp(table[name]) > 0.0:
             raise InputError(
                 f"column {name!r} comes to {largest:.4g} Pa at most, others to {amount(most, 'Pa')}: it must be in Pa; import the log with that "
