@@ -145,6 +145,10 @@ def test_files_of_schema_1_are_read():
         (change((*N, "nodes", 0, "inputs"), [0]), r"node of \(0,\)"),
         (change((*N, "nodes", 0, "inputs"), [0, 9]), r"node 1 reads \(0, 9\); it may read slots 0 to 1"),
         (change((*N, "nodes", 0, "inputs"), [-1, 0]), "it may read slots"),
+        (
+            change((*N, "nodes", 0), {"kind": "linear", "inputs": [0] * 10**6, "coef": [1.0] * 10**6}),
+            "reads a slot twice",
+        ),
         (change((*N, "nodes", 0, "coef"), [1.0]), "with 1 coefficients"),
         (change((*M, "inputs"), 3), "damaged model file"),
         (dynamic(lags=LAGS[:1]), "1 lags for 2 inputs"),

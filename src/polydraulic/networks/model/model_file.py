@@ -206,8 +206,9 @@ def _read_network(data: Any, n_input: int) -> Network:
         )
         _require(
             all(type(slot) is int and 0 <= slot < n_input + len(nodes) for slot in slots),
-            f"node {len(nodes) + 1} reads {slots}; it may read slots 0 to {n_input + len(nodes) - 1}",
+            f"node {len(nodes) + 1} reads {_short(slots)}; it may read slots 0 to {n_input + len(nodes) - 1}",
         )
+        _require(len(slots) <= n_input + len(nodes), f"node {len(nodes) + 1} reads a slot twice: {_short(slots)}")
         coef = _floats(item["coef"], "coef")
         _require(len(coef) == len(terms(kind, len(slots))), f"{item['kind']} node with {len(coef)} coefficients")
         nodes.append(Node(kind, slots, coef))
