@@ -32,7 +32,7 @@ from polydraulic.identification.equations.ways.by_runs import find_left, lacking
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.identification.plausible import check_plausible, check_units
-from polydraulic.networks.growth.workers import one_blas_thread
+from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_machine, machine_path

@@ -10,6 +10,7 @@ import numpy as np
 from sklearn.base import clone
 
 from polydraulic.errors import InputError
+from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.networks.dynamic.free_run import prepare_loop, run_windows
 from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.lag_selection import LADDER, Choice, Options, checked_lags, select, select_terms
@@ -18,7 +19,7 @@ from polydraulic.networks.dynamic.refine_free_run import refine_over_steps, spre
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, lagged, rows_of, spans_of, without
 from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 from polydraulic.networks.dynamic.term_network import places_read, term_networks
-from polydraulic.networks.growth.workers import in_threads, one_blas_thread
+from polydraulic.networks.growth.workers import in_threads
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.networks.dynamic.command_response import Response, away_from_stops, find_response, most_looked_back
 from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.joint_network import joint_network
@@ -13,7 +14,6 @@ from polydraulic.networks.dynamic.joint_rate import Factors, learn_rate
 from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of
-from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.progress import Progress, quiet

@@ -9,6 +9,7 @@ from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
+from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.networks.growth.checked_settings import checked_settings
 from polydraulic.networks.growth.far_values import warn_of_far_values
 from polydraulic.networks.growth.one_output import learn_output
@@ -22,7 +23,6 @@ from polydraulic.networks.growth.training_rows import (
     rows_in_memory,
 )
 from polydraulic.networks.growth.unseen.row_blocks import row_blocks
-from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import checked_box, predictions, settings_of, variables

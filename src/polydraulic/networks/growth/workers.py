@@ -1,20 +1,16 @@
-"""Work side by side: pieces that know nothing of each other, in threads or in processes, and BLAS on one thread.
+"""Work side by side: pieces that know nothing of each other, in threads or in processes.
 
 Results do not depend on the number of workers: each piece is computed as if it were alone.
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from functools import cache
-from threading import Lock
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import joblib
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from joblib.parallel import get_active_backend
-from threadpoolctl import ThreadpoolController
 
 from polydraulic.errors import InputError
 
@@ -22,47 +18,6 @@ A = TypeVar("A")
 B = TypeVar("B")
 _Warning = tuple[str, type[Warning], str, int]  # message, category, file, line
 _said: dict[str | tuple[str, type[Warning], int], int] = {}  # as Python keeps it, so that each is shown once
-
-
-@cache
-def _libraries() -> ThreadpoolController:
-    return ThreadpoolController()
-
-
-_limited = Lock()
-_keepers: list[
-    tuple[ThreadPoolExecutor, Any]
-] = []  # the thread that limits BLAS and what it has set, once for each context that is inside
-
-
-def _limit() -> Any:
-    return _libraries().limit(limits=1, user_api="blas").__enter__()
-
-
-@contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """Context in which BLAS keeps to one thread: with matrices as small as here, several wait for each other more than they compute.
-
-    How many threads share a product decides its last digits, so that the limit must hold in whichever thread a context is. Contexts
-    of several threads may overlap: the first sets, the last gives back. A library that is limited for the whole process obeys the thread
-    alone that has limited it first, until that gives back; hence a thread of its own for that, and the caller's limit for libraries that
-    are limited thread by thread.
-    """
-    with _limited:
-        if not _keepers:
-            keeper = ThreadPoolExecutor(1)
-            _keepers.append((keeper, keeper.submit(_limit).result()))
-        else:
-            _keepers.append(_keepers[0])
-    try:
-        with _libraries().limit(limits=1, user_api="blas"):
-            yield
-    finally:
-        with _limited:
-            keeper, limit = _keepers.pop()
-            if not _keepers:
-                keeper.submit(limit.__exit__, None, None, None).result()
-                keeper.shutdown()
 
 
 def in_threads(call: Callable[[A], B], items: Iterable[A]) -> list[B]:

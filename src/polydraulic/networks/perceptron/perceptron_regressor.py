@@ -13,8 +13,8 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
+from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.networks.growth.training_rows import check_narrow, check_span, constant_columns
-from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import drawn_rows
 from polydraulic.networks.model.fitted import checked_box, settings_of, variables
 from polydraulic.networks.model.model import Model, Variable

@@ -8,9 +8,9 @@ from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, clone
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
+from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.networks.growth.far_values import far_values_told_elsewhere, warn_of_far_values
 from polydraulic.networks.growth.regressor import AbductiveRegressor
-from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import predictions, variables
