@@ -26,15 +26,15 @@ def checked_settings(estimator: Any) -> Settings:
         value = getattr(estimator, name)
         if not isinstance(value, int | np.integer) or value < 1:
             raise InputError(f"{name} = {value!r}: must be a whole number, at least 1")
-    if not estimator.cpm >= 0.0:
-        raise InputError(f"cpm = {estimator.cpm!r}: must be at least 0")
+    if not 0.0 <= estimator.cpm < np.inf:
+        raise InputError(f"cpm = {estimator.cpm!r}: must be at least 0 and finite")
     if estimator.missing not in _MISSING:
         raise InputError(f"missing = {estimator.missing!r}: must be one of {_MISSING}")
     prior = estimator.prior_variance
     if isinstance(prior, str) and prior not in ("adaptive", "half-variance"):
         raise InputError(f"prior_variance = {prior!r}: 'adaptive', 'half-variance' or a number")
-    if not isinstance(prior, str) and not float(prior) >= 0.0:
-        raise InputError(f"prior_variance = {prior!r}: must be at least 0")
+    if not isinstance(prior, str) and not 0.0 <= float(prior) < np.inf:
+        raise InputError(f"prior_variance = {prior!r}: must be at least 0 and finite")
     bounds = estimator.output_bounds
     good = bounds is None or bounds == "data" or (not isinstance(bounds, str) and bounds[0] <= bounds[1])
     if not good:
