@@ -18,9 +18,7 @@ _ZEROS = (25_569.0, 719_529.0, 2_440_587.5)  # days before 1970 from which sprea
 _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
 _FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
-_MOST_ROWS = (
-    1e4  # of a table between two samples: with us read as s there were a million, and a log of minutes filled a disk
-)
+_MOST_ROWS = 1e4  # of a table between two samples: us read as s make a million, which fill a disk
 _ANOTHER_UNIT = 500.0  # times the raster of a table, or that part of it: s and ms are a thousand apart
 
 
