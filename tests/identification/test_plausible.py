@@ -34,6 +34,12 @@ def test_a_log_in_si_is_taken_whatever_it_lacks(excavator):
         check_plausible(excavator, Table({name: values for name, values in PLAIN.items() if name != missing}, {}))
 
 
+def test_times_in_milliseconds_are_named(excavator):
+    check_plausible(excavator, Table(PLAIN | {"time": 1.0 * np.arange(100)}, {}))
+    with pytest.raises(InputError, match="rows come every 20 s, .* column 'time' must be in s"):
+        check_plausible(excavator, Table(PLAIN | {"time": 20.0 * np.arange(100)}, {}))
+
+
 @pytest.mark.parametrize(
     ("name", "factor", "unit"),
     [

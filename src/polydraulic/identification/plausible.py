@@ -23,6 +23,7 @@ UNITS = {
 }
 _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
+_SLOWEST = 1.0  # s between rows; a joystick or a valve moves within one
 _MOST_PRESSURE = 2e8  # Pa, several times what mobile hydraulics stands
 _LEAST_OF_ONE = 1e4  # Pa, which even the port of a returning line passes; 10,000 psi and more nobody has
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
@@ -53,8 +54,14 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     ------
     InputError
         Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, no pressure
-        of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go many times beyond the voltage of full travel.
+        of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go many times beyond the voltage of full travel; where rows
+        come too seldom to show anything.
     """
+    if "time" in table.names and len(table) > 1 and (raster := float(np.median(np.diff(table["time"])))) > _SLOWEST:
+        raise InputError(
+            f"rows come every {raster:g} s, and joints and valves follow their levers within {_SLOWEST:g} s: column 'time' must be in s; import the "
+            "log with its unit"
+        )
     most_flow = _FLOWS * max(circuit.pump.flow for circuit in machine.circuits)
     for f in machine.functions:
         name = position_column(machine, f)

@@ -69,6 +69,11 @@ def test_a_spool_that_rests_tells_nothing(log):
     assert fit_pilot(time, segment, 0.0 * voltage, np.zeros(len(time)), TRAVEL, TRUE) is None
 
 
+def test_a_spool_that_goes_against_its_voltage_tells_nothing(log):
+    time, segment, voltage, _, measured = log
+    assert fit_pilot(time, segment, -voltage, measured, TRAVEL, TRUE) is None
+
+
 def test_rasters_and_pieces():
     assert pieces_of(np.array([0, 0, 1, 1, 1])).tolist() == [[0, 2], [2, 5]]
     assert raster_within(np.array([0.0, 0.1, 0.2, 5.0, 5.1]), np.array([0, 0, 0, 1, 1])) == pytest.approx(0.1)

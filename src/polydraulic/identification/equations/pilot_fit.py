@@ -16,7 +16,7 @@ from polydraulic.parameters.schema import Pilot
 
 _SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter
 _LONGEST_DEAD = 0.5  # s
-# standard errors and s, below which a dead time counts as none: what lies between rows is not known better
+# standard errors and s, below which a dead time counts as none: what lies between rows is not known better; so does a gain of as few errors
 _SURE, _LEAST_DEAD = 3.0, 1e-3
 _LEAST_ROWS = 200
 _BLOCK = 5.0  # s, after which errors are independent
@@ -92,8 +92,11 @@ def fit_pilot(
         max_nfev=60,
     )
     errors = _errors(found.jac, found.fun, (time[use] // _BLOCK).astype(np.int64)) * scale
+    pilot = Pilot(*(found.x * scale).tolist())
+    if not pilot.gain > _SURE * errors[0]:  # as of a voltage of the wrong sign, against which the spool goes
+        return None
     return PilotFit(
-        Pilot(*(found.x * scale).tolist()),
+        pilot,
         Pilot(*errors.tolist()),
         float(np.sqrt(np.mean(off(found.x) ** 2))),
         int(moving.sum()),
