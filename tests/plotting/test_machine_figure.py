@@ -42,6 +42,17 @@ def test_no_range_runs_off_the_page():
         assert all(text.get_window_extent().x1 <= figure.bbox.width for text in figure.texts)
 
 
+def test_all_that_a_machine_stands_on_is_in_the_picture():
+    machine = load_machine("wheel_loader")
+    for axis, place in zip(draw_machine(machine).axes, ([0, 2], [0, 1]), strict=True):
+        (contacts,) = (line for line in axis.lines if line.get_marker() == "^")
+        (middle,) = (line for line in axis.lines if line.get_marker() == "P")
+        expected = np.array(machine.chassis.corners)[:, place]
+        assert np.sort(contacts.get_xydata(), axis=0) == pytest.approx(np.sort(expected, axis=0))
+        for line in (contacts, middle):
+            assert np.all((axis.viewLim.min < line.get_xydata()) & (line.get_xydata() < axis.viewLim.max))
+
+
 @pytest.mark.parametrize("units", ["metric", "field"])
 def test_names_do_not_cover_each_other(units):
     for machine in (load_machine("cat215b_bucket"), small_crane(), load_machine("cat215b")):

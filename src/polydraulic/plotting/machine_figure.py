@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_VIEWS: tuple[View, View] = ("side", "top")
 _STANCE = "#1b7f5c"
 _STANDING = "Triangles: where the chassis stands; cross: its centre of gravity."
 _NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are only illustrative."
@@ -67,16 +68,15 @@ def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -
     reached = tip_places(drawing)
     figure = Figure(figsize=(14.0, 7.6), dpi=100)
     side, top = figure.add_axes((0.055, 0.09, 0.62, 0.83)), figure.add_axes((0.735, 0.39, 0.255, 0.53))
-    low, high = view_limits(drawing, [motion], "side")
-    margin = 0.02 * (high - low).max()
-    fill_place(side, np.minimum(low, reached.min(axis=0) - margin), np.maximum(high, reached.max(axis=0) + margin))
-    fill_place(top, *view_limits(drawing, [motion], "top"))
+    stands = {view: _stance(machine.chassis, motion, view) for view in _VIEWS}
+    fill_place(side, *_limits(drawing, motion, "side", np.vstack([reached, stands["side"]])))
+    fill_place(top, *_limits(drawing, motion, "top", stands["top"]))
     x, y, area = tip_area(reached)
     side.contourf(x, y, area, levels=[0.5, 2.0], colors=["#f6c98f"], alpha=0.35, zorder=0.5)
-    for axis, view in ((side, "side"), (top, "top")):
-        _still(axis, drawing, view, motion, units)  # type: ignore[arg-type]
-    if machine.chassis is not None:
-        _support(side, top, machine.chassis, motion)
+    for axis, view in zip((side, top), _VIEWS, strict=True):
+        _still(axis, drawing, view, motion, units)
+        if machine.chassis is not None:
+            _support(axis, view, stands[view])
     _name(side, drawing, motion, units)
     figure.text(0.02, 0.955, title, fontweight="bold", fontsize=12)
     figure.text(0.02, 0.018, _NOTE if machine.chassis is None else f"{_NOTE} {_STANDING}", fontsize=8.5, color="0.4")
@@ -113,17 +113,30 @@ def _still(axis: "Axes", drawing: Drawing, view: View, motion: DrawnMotion, unit
     axis.set_title(title, loc="left", fontsize=9, color="0.4")
 
 
-def _support(side: "Axes", top: "Axes", chassis: Chassis, motion: DrawnMotion) -> None:
-    """What it stands on: contacts and centre of gravity of what no joint moves, and from above the area between the contacts."""
-    corners = [Spot(GROUND, corner) for corner in chassis.corners]
+def _limits(drawing: Drawing, motion: DrawnMotion, view: View, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of a view of the machine that has other places in it, too, of shape (n, 2)."""
+    low, high = view_limits(drawing, [motion], view)
+    margin = 0.02 * (high - low).max()
+    ends = others.min(axis=0, initial=np.inf) - margin, others.max(axis=0, initial=-np.inf) + margin
+    return np.minimum(low, ends[0]), np.maximum(high, ends[1])
+
+
+def _stance(chassis: Chassis | None, motion: DrawnMotion, view: View) -> np.ndarray:
+    """What it stands on, as a view shows it: contacts, and the centre of gravity of what no joint moves; of shape (n, 2)."""
+    if chassis is None:
+        return np.empty((0, 2))
     x, y, z = vector(chassis.cg)
-    for axis, view in ((side, "side"), (top, "top")):
-        at = seen(motion, view, places(motion, corners))[0]  # type: ignore[arg-type]
-        middle = seen(motion, view, places(motion, [Spot(GROUND, (x, y, z))]))[0, 0]  # type: ignore[arg-type]
-        axis.plot(*at.T, "^", color=_STANCE, markersize=7, zorder=6)
-        axis.plot(*middle, "P", color=_STANCE, markersize=8, markeredgecolor="white", zorder=6)
-    around = np.vstack([at, at[:1]])
-    top.plot(*around.T, "--", color=_STANCE, linewidth=1.2, zorder=5)
+    spots = [Spot(GROUND, corner) for corner in (*chassis.corners, (x, y, z))]
+    return np.asarray(seen(motion, view, places(motion, spots))[0])
+
+
+def _support(axis: "Axes", view: View, stands: np.ndarray) -> None:
+    """Draw what it stands on, from above with the area between the contacts."""
+    contacts, middle = stands[:-1], stands[-1]
+    axis.plot(*contacts.T, "^", color=_STANCE, markersize=7, zorder=6)
+    axis.plot(*middle, "P", color=_STANCE, markersize=8, markeredgecolor="white", zorder=6)
+    if view == "top":
+        axis.plot(*np.vstack([contacts, contacts[:1]]).T, "--", color=_STANCE, linewidth=1.2, zorder=5)
 
 
 def _name(axis: "Axes", drawing: Drawing, motion: DrawnMotion, units: str) -> None:
