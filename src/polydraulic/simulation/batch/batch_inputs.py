@@ -1,13 +1,13 @@
 """The cases of a batch: which machine meets which inputs from which state, checked and prepared."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.parameters.deviations import TimedFault
@@ -87,6 +87,8 @@ def arrange_cases(
     """Check and prepare the arguments of `simulate_batch`."""
     named = cache(load_machine)  # machines of one name are one kind
     items: Sequence[Any] = [machines] if isinstance(machines, LayoutMachine | str | Path) else machines
+    if not isinstance(items, Iterable):
+        raise InputError(f"machines = {briefly(items)}: must be a machine, its name or path, or a list of these")
     given: list[LayoutMachine] = []
     for item in items:
         given.append(item if isinstance(item, LayoutMachine) else named(item))
@@ -105,6 +107,8 @@ def arrange_cases(
     if any(length not in (1, n) for length in lengths.values()) or min(lengths.values()) < 1:
         found = ", ".join(f"{length} {name}" for name, length in lengths.items())
         raise InputError(f"{found}: each must be one for all machines, or as many as there are machines")
+    if starts is not None:
+        _check_angles(starts, given)
 
     pairs = [
         (given[i % len(given)], scenarios[i % len(scenarios)] if scenarios else None, broken[i % len(broken)])
@@ -230,6 +234,9 @@ def _voltages(inputs: Any, functions: Sequence[str]) -> np.ndarray:
         raise InputError(f"{wanted}, not {type(inputs).__name__}")
     if inputs.ndim not in (2, 3) or inputs.shape[-1] != n or not inputs.size:
         raise InputError(f"{wanted}; the array has shape {inputs.shape}")
+    if inputs.dtype.kind not in "iuf" or np.ma.is_masked(inputs):
+        what = "masked values" if np.ma.is_masked(inputs) else f"values of type {inputs.dtype}"
+        raise InputError(f"{wanted}; the array holds {what}, and every voltage must be a real number")
     voltage = np.ascontiguousarray(inputs if inputs.ndim == 3 else inputs[None], dtype=np.float64)
     if not np.isfinite(voltage).all():
         machine, step, link = np.argwhere(~np.isfinite(voltage))[0]
@@ -241,12 +248,31 @@ def _voltages(inputs: Any, functions: Sequence[str]) -> np.ndarray:
 
 
 def _starts(x0: np.ndarray, n_state: int) -> np.ndarray:
-    starts = np.atleast_2d(np.asarray(x0, dtype=np.float64))
+    try:
+        starts = np.atleast_2d(np.asarray(x0, dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"x0 = {briefly(x0)}: must hold numbers, as many for each machine") from error
     if starts.ndim != 2 or starts.shape[1] != n_state or not np.all(np.isfinite(starts)):
         raise InputError(
             f"x0 has shape {np.shape(x0)}: it must hold finite numbers in the shape ({n_state},) or (n_machine, {n_state})"
         )
     return starts
+
+
+def _check_angles(starts: np.ndarray, machines: Sequence[LayoutMachine]) -> None:
+    """Refuse joints so far beyond their stops that their unit is another one; what is measured may lie a little beyond."""
+    columns = columns_of(machines[0])
+    for place, f in enumerate(machines[0].functions):
+        at = columns.place[f"{f.name}.angle"]
+        low, high = np.array([machine.functions[place].stops for machine in machines]).T
+        apart = 2.0 * np.pi if columns.columns[at].unit == "rad" else high - low
+        beyond = np.flatnonzero((starts[:, at] < low - apart) | (starts[:, at] > high + apart))
+        if beyond.size:
+            row, unit = beyond[0], columns.columns[at].unit
+            first, last = low[row % len(low)], high[row % len(high)]
+            raise InputError(
+                f"x0: {f.name}.angle = {starts[row % len(starts), at]:g} {unit} of machine {row}: is far beyond the stops, {first:g} and {last:g} {unit}"
+            )
 
 
 def _scenario_steps(scenarios: Sequence[Scenario], dt: float, t_end: float | None, every: int) -> int:
