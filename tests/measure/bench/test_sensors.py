@@ -60,3 +60,11 @@ def test_strange_values_anywhere_in_a_sensor_are_one_error(key, value, tmp_path)
     path.write_text("[[sensor]]\n" + "\n".join(f"{name} = {text}" for name, text in entry.items()))
     with pytest.raises(InputError, match="s.toml"):
         load_sensors(path)
+
+
+@pytest.mark.parametrize("name", ["a,b", "a\\nb", "a\\u0000b"])
+def test_a_name_that_would_part_the_columns_of_a_text_log_is_refused(name, tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(f'[[sensor]]\ncolumn = "boom.p_a"\nunit = "bar"\nraster = "10 ms"\nname = "{name}"\n')
+    with pytest.raises(InputError, match="name of sensor"):
+        load_sensors(path)

@@ -12,6 +12,7 @@ import numpy as np
 from polydraulic.errors import InputError, briefly
 from polydraulic.measure.channels import FARTHEST, duration, low_and_high, text
 from polydraulic.measure.log_units import conversion, says_pressure
+from polydraulic.names import checked_name
 from polydraulic.parameters.deviations import TimedFault
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.faults import faulty_column
@@ -25,6 +26,8 @@ _SENSOR = {
     "column", "name", "unit", "raster", "noise", "offset", "drift", "resolution", "range", "delay", "lag", "dropout",
     "dropout_length",
 }  # fmt: skip
+
+_PARTING = ',"\n\r'
 
 
 @dataclass(frozen=True)
@@ -176,7 +179,7 @@ def _sensor(item: Any, where: str) -> Sensor:
     low, high = low_and_high(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
     return Sensor(
         column,
-        text(item.get("name", column), f"name of {where}"),
+        _name(item.get("name", column), f"name of {where}"),
         item["unit"],
         duration(item["raster"], f"raster of {where}"),
         number("noise"),
@@ -190,6 +193,16 @@ def _sensor(item: Any, where: str) -> Sensor:
         number("dropout", most=0.9),
         duration(item.get("dropout_length", "0.2 s"), f"dropout_length of {where}"),
     )
+
+
+def _name(value: Any, where: str) -> str:
+    """A name that stands in one line of a text log."""
+    name = checked_name(text(value, where), where)
+    if set(name) & set(_PARTING):
+        raise InputError(
+            f"{where} = {name!r}: must hold no comma, quote or end of line, which part the columns of a text log"
+        )
+    return name
 
 
 def _kind(column: str) -> str:
