@@ -146,6 +146,8 @@ def test_a_file_that_ends_within_a_line_is_read_up_to_it(driven, tmp_path):
     [
         ('{"step": 5, "levers": [0.0]}', "damaged"),
         ('{"step": 5, "levers": [0.0, NaN]}', "damaged"),
+        ('{"step": 5, "levers": [0.0, 1' + "0" * 400 + "]}", "damaged"),
+        ('{"step": 5, "payload": true}', "damaged"),
         ('{"step": 5, "levers": "up"}', "damaged"),
         ('{"step": -5}', "damaged"),
         ('{"levers": [0.0, 0.0]}', "damaged"),

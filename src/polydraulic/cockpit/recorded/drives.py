@@ -1,8 +1,8 @@
 """Recorded drives in files: read whole, checked, and written block by block."""
 
 import json
-import math
 import os
+import sys
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
@@ -79,7 +79,8 @@ def read_drive(path: str | Path) -> Drive:
         raise InputError(f"{path}: is no recorded drive of this version ({FORM})")
     head, stamps = found[0], found[1:]
     for key, kind in _HEAD.items():
-        if not isinstance(head.get(key), kind) and not (kind is float and isinstance(head.get(key), int)):
+        good = _finite(head.get(key)) if kind is float else isinstance(head.get(key), kind)
+        if not good:
             raise InputError(f"{path}: line 1: {key} = {briefly(head.get(key))}: is damaged")
     step = 0
     for number, stamp in enumerate(stamps, 2):
@@ -153,6 +154,11 @@ def _line(line: str, path: Path, number: int) -> dict[str, Any]:
     return found
 
 
+def _finite(value: Any) -> bool:
+    """Whether it is a number that a float holds: JSON has NaN, and whole numbers of any length."""
+    return isinstance(value, float | int) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+
+
 def _check(stamp: dict[str, Any], step: int, n: int, where: str) -> None:
     """Refuse a stamp that no cockpit has written."""
     levers, change = stamp.get("levers", [0.0] * n), stamp.get("change", {})
@@ -162,6 +168,6 @@ def _check(stamp: dict[str, Any], step: int, n: int, where: str) -> None:
         not isinstance(stamp.get("step"), int)
         or not step <= stamp["step"] < 2**40
         or len(numbers) != n + len(change) + 1
-        or not all(isinstance(x, float | int) and math.isfinite(x) for x in numbers)
+        or not all(map(_finite, numbers))
     ):
         raise InputError(f"{where}: is damaged: {briefly(stamp)}")
