@@ -74,7 +74,7 @@ def test_commands_and_angles_alone_tell_pumps_and_pilots(machine):
 def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     printed = run_page(PAGE, monkeypatch, capfd)
-    tips = [float(value) for value in re.findall(r"tip\s+(\S+)\s", printed)]
+    tips = [float(value) for value in re.findall(r"^  tip\s+([\d.]+)\s", printed, re.MULTILINE)]
     assert len(tips) == 5  # of the blocks held out, of two replays, of two runs
     assert max(tips) < 1000.0  # mm
     assert len(re.findall(r"^\S+ \[\S+\]: (?:holds|does not hold)", printed, re.MULTILINE)) == 6
