@@ -137,6 +137,7 @@ def test_files_of_schema_1_are_read():
         (change((*M, "partition", "below"), [DATA]), "the partition holds"),
         (change((*M, "partition", "below"), {"input": 0, "at": 1.0, "below": 0, "above": 2}), "more splits|networks"),
         (change((*N, "x_scale"), [0.0, 1.0]), "x_scale must be positive"),
+        (change((*N, "y_scale"), -1.0), "y_scale is -1.0; it must not be negative"),
         (change((*N, "x_mean"), [0.0]), "x_mean has 1 values for 2 inputs"),
         (change((*N, "y_mean"), "high"), "unitizer holds 'high'"),
         (change((*N, "y_mean"), float("nan")), "unitizer holds nan"),

@@ -215,6 +215,8 @@ def _read_network(data: Any, n_input: int) -> Network:
     scalars: dict[str, Any] = dict(zip(_SCALARS, _floats([data[name] for name in _SCALARS], "unitizer"), strict=True))
     low, high = scalars["y_low"], scalars["y_high"]
     _require(low <= high, f"y_low = {low!r} exceeds y_high = {high!r}")
+    # zero is the scale of a network of a constant output, which has nodes all the same
+    _require(scalars["y_scale"] >= 0.0, f"y_scale is {scalars['y_scale']!r}; it must not be negative")
     if not nodes:
         scalars["y_mean"] += 0.0  # a constant has no negative zero, wherever it is evaluated
     network = Network(nodes=tuple(nodes), **vectors, **scalars)
