@@ -279,3 +279,9 @@ def test_a_circuit_that_no_networks_stand_for_is_named_with_what_serves_it():
         InputError, match=r"circuit 'main_giving' is of the kind 'crossover'; .* `polydraulic fit-joints`"
     ):
         fit_machine(silent(), "cat215b_crossover")
+
+
+def test_times_in_milliseconds_are_refused(machine):
+    table = silent()
+    with pytest.raises(InputError, match="rows come every .* column 'time' must be in s"):
+        fit_machine(Table({**table.columns, "time": 1e3 * table["time"]}, table.units), machine)

@@ -24,6 +24,7 @@ from polydraulic.identification.machine.machine_judging import (
 )
 from polydraulic.identification.machine.machine_learning import REGIONS, ROWS, learn, tasks_of
 from polydraulic.identification.machine.machine_log import Known, by_port, some_rows
+from polydraulic.identification.plausible import check_plausible
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
@@ -149,6 +150,7 @@ def fit_machine(
     read, source = table_of(table, ["time", *known.measured()], ["segment", *driven(plant)])
     log = by_port(known, read)
     check_numbers(plant, known, log)
+    check_plausible(plant, read)
     held = held_out(log, min_blocks)
     check_rows(log, held, known)
     total = len(known.functions) * 2 + 1
