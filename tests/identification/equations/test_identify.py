@@ -157,6 +157,16 @@ def test_sensors_that_are_missing_are_named(true, log):
     assert "through simulation: kept; the log has no swing.angle" in found.kept
 
 
+def test_a_voltage_of_the_wrong_sign_is_named_and_changes_nothing(true, log):
+    turned = Table({**log.columns, "boom.voltage": -log["boom.voltage"]}, log.units)
+    found = identify(turned, rough(true), free=["functions.*.pilot.*"])
+    assert [line for line in found.kept if line.startswith("boom.voltage and boom.spool move against each other")]
+    assert not [line for line in found.kept if line.startswith("swing.voltage and")]
+    assert found.pilots.keys() == {"swing", "stick"}
+    assert not [path for path in found.changes if path.startswith("functions.boom.")]
+    assert found.machine.function("boom").pilot == rough(true).function("boom").pilot
+
+
 def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
     with pytest.raises(
         InputError,

@@ -5,6 +5,7 @@ from polydraulic import random_operator
 from polydraulic.identification.equations.pilot_fit import (
     driven_spool,
     fit_pilot,
+    moves_against,
     pieces_of,
     raster_within,
     smooth_spool,
@@ -72,6 +73,17 @@ def test_a_spool_that_rests_tells_nothing(log):
 def test_a_spool_that_goes_against_its_voltage_tells_nothing(log):
     time, segment, voltage, _, measured = log
     assert fit_pilot(time, segment, -voltage, measured, TRAVEL, TRUE) is None
+
+
+def test_a_voltage_of_the_wrong_sign_is_told_from_others(log):
+    time, segment, voltage, _, measured = log
+    noise = np.random.default_rng(2).normal(0.0, 1e-3, len(time))
+    for start in (TRUE, Pilot(0.02, 0.1, 0.0), Pilot(0.008, 0.5, 0.2)):
+        assert moves_against(time, segment, -voltage, measured, TRAVEL, start)
+        assert not moves_against(time, segment, voltage, measured, TRAVEL, start)
+    for other in (noise, np.zeros(len(time)), -np.abs(noise)):
+        assert not moves_against(time, segment, voltage, other, TRAVEL, TRUE)
+        assert not moves_against(time, segment, -voltage, other, TRAVEL, TRUE)
 
 
 def test_rasters_and_pieces():

@@ -23,7 +23,7 @@ from polydraulic.identification.equations.identified_file import Identified, fil
 from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
-from polydraulic.identification.equations.sensors import Signals, read_function
+from polydraulic.identification.equations.sensors import Signals, against_spools, read_function
 from polydraulic.identification.equations.shooting.fit import ShootingFit
 from polydraulic.identification.equations.shooting.windows import run_sensors
 from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots
@@ -165,6 +165,9 @@ def identify(
     check_plausible(before, table)
     segment = _segments(table, source)
     raster = raster_within(table["time"], segment)
+    against = against_spools(before, table, segment)
+    unused = {f"{name}.voltage" for name in against}
+    table = Table({name: v for name, v in table.columns.items() if name not in unused}, table.units, table.info)
     simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
     steps = len(before.functions) + 2 * len(before.circuits) + 1 + simulated
     with one_blas_thread():  # matrices are narrow: threads would cost more than they do
@@ -175,6 +178,11 @@ def identify(
                 before, f, table, segment, may.has(f"functions.{f.name}.pilot.time_constant")
             )
         so_far = SoFar(before, may, f"identified from {source}")
+        so_far.kept += [
+            f"{name}.voltage and {name}.spool move against each other, so that one of them has the wrong sign: the voltage is not used; turn the "
+            "wrong one where the log is imported"
+            for name in against
+        ]
         finished = Finished(parts, _digest(table, data, may))
         at = len(before.functions)
         pilots = find_pilots(so_far, signals)

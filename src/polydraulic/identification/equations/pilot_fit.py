@@ -19,6 +19,7 @@ _LONGEST_DEAD = 0.5  # s
 # standard errors and s, below which a dead time counts as none: what lies between rows is not known better; so does a gain of as few errors
 _SURE, _LEAST_DEAD = 3.0, 1e-3
 _LEAST_ROWS = 200
+_FOLLOWS = 0.3  # of how much a spool varies, which a pilot that it follows leaves at most
 _BLOCK = 5.0  # s, after which errors are independent
 # what drives the spool besides the pilot, as a share of the sensor's noise in a row
 _ROUGHNESS = np.geomspace(1e-3, 1.0, 25)
@@ -101,6 +102,20 @@ def fit_pilot(
         float(np.sqrt(np.mean(off(found.x) ** 2))),
         int(moving.sum()),
     )
+
+
+def moves_against(
+    time: np.ndarray, segment: np.ndarray, voltage: np.ndarray, spool: np.ndarray, travel: float, start: Pilot
+) -> bool:
+    """Whether a spool follows the voltage of the other sign, and not the voltage; arguments as of `fit_pilot`."""
+    driven = driven_spool(start, travel, time, pieces_of(segment), voltage, spool, raster_within(time, segment))
+    if np.dot(driven - driven.mean(), spool - spool.mean()) >= 0.0:
+        return False
+    turned = fit_pilot(time, segment, -voltage, spool, travel, start)
+    if turned is None or turned.rms > _FOLLOWS * np.std(spool):
+        return False
+    own = fit_pilot(time, segment, voltage, spool, travel, start)
+    return own is None or turned.rms < _FOLLOWS * own.rms
 
 
 def told_dead_time(value: float, error: float) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
 from polydraulic.identification.equations.parabolas import local_parabolas
-from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, smooth_spool
+from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, moves_against, smooth_spool
 from polydraulic.identification.plausible import position_column
 from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction
@@ -98,6 +98,16 @@ def read_function(
         pilot,
         scale,
     )
+
+
+def against_spools(machine: LayoutMachine, table: Table, segment: np.ndarray) -> list[str]:
+    """Functions whose spool follows the voltage of the other sign: what such a voltage drives goes the wrong way."""
+    return [
+        f.name
+        for f in machine.functions
+        if {voltage := f"{f.name}.voltage", spool := f"{f.name}.spool"} <= set(table.names)
+        and moves_against(table["time"], segment, table[voltage], table[spool], f.valve.knots[-1], f.pilot)
+    ]
 
 
 def missing_for_circuit(machine: LayoutMachine, functions: tuple[str, ...], signals: dict[str, Signals]) -> str:
