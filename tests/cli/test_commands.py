@@ -353,6 +353,11 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("fit", "{0}/good.csv", *FIT, "--prior", "guess"), "--prior 'guess'"),
         (("fit", "{0}/good.csv", *FIT, "--bounds", "1"), "--bounds '1'"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "a=x"), "--edges a"),
+        (("fit", "{0}/good.csv", *FIT, "--edges", "a=5", "--edges", "a = 9"), "--edges a: is given twice, '5' and '9'"),
+        (("fit", "{0}/good.csv", *FIT, "--inputs", "a"), "--inputs 'a,b,a': must be different column names"),
+        (("fit", "{0}/good.csv", *FIT, "--bounds", "0,5", "--bounds", "0,9"), "--bounds '0,5,0,9': must be LOW,HIGH"),
+        (("check", "{0}/c.json", "--range", "0,5", "--range", "0,9"), "--range '0,5,0,9': must be LOW,HIGH"),
+        (("check", "{0}/c.json", "--box", "a=0,5", "--box", "a=0,9"), "--box a: is given twice, '0,5' and '0,9'"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "q=1"), "edges name the column 'q'"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "q=1 mm"), "no column 'q'"),
         (

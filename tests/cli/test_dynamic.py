@@ -129,3 +129,14 @@ def test_joints_are_learnt_from_their_commands(call, tmp_path, monkeypatch):
     assert load_models("j.json")[0].output.name == "a"
     code, _, err = call("fit-joints log.parquet --commands lever.a,lever.b --joints a --out k.json")
     assert (code, "2 commands for 1 joints" in err) == (2, True)
+    code, _, err = call("fit-joints log.parquet --commands lever.a --commands lever.b --joints a --out k.json")
+    assert (code, "2 commands for 1 joints" in err) == (2, True)
+
+
+@pytest.mark.parametrize("option", ["--commands", "--joints", "--more-inputs", "--continuous"])
+def test_lists_given_twice_add_up(call, option):
+    given = {"--commands": "c", "--joints": "j", "--more-inputs": "m", "--continuous": "j"}
+    line = " ".join(f"{name} {value}" for name, value in given.items())
+    code, _, err = call(f"fit-joints log.parquet {line} {option} {given[option]} --out k.json")
+    name = given[option]
+    assert (code, f"{option} '{name},{name}': must be different column names" in err) == (2, True)

@@ -30,6 +30,11 @@ def test_a_chart_is_printed_and_written(call, tmp_path):
         ("loadchart --hold bucket", "must be NAME=NUMBER, in deg"),
         ("loadchart --hold buckel=3", "'buckel' is not a function"),
         ("loadchart --move boom", "must name two functions"),
+        (
+            "loadchart --move boom,stick --move stick,bucket",
+            "--move 'boom,stick,stick,bucket': must name two functions",
+        ),
+        ("loadchart --hold bucket=3 --hold bucket=4", "--hold bucket: is given twice, '3' and '4'; give it once"),
         ("loadchart --step -1", "step = -1 m"),
         ("payload none.csv", "none.csv"),
         ("payload none.csv --force --plot a.png", "--plot draws the payload"),

@@ -1,11 +1,13 @@
 """The application that commands join, and what several of them take."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from polydraulic.errors import InputError
 from polydraulic.terminal import loading
 
 # commands as people come to them, under what they are after
@@ -71,6 +73,22 @@ def say_written(*paths: Path | None) -> None:
     for path in paths:
         if path is not None:
             print(f"{path}: written")
+
+
+def joined(texts: Iterable[str]) -> str:
+    """The list of an option that was given once or several times: what is separated by commas goes on from one to the next."""
+    return ",".join(texts)
+
+
+def values_by_name(texts: Iterable[str], option: str) -> dict[str, str]:
+    """What an option NAME=VALUE gives each name, which may be repeated for other names."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, _, value = (part.strip() for part in text.partition("="))
+        if name in found:
+            raise InputError(f"{option} {name}: is given twice, {found[name]!r} and {value!r}; give it once")
+        found[name] = value
+    return found
 
 
 METRIC = "metric"  # what people read if they ask for nothing else

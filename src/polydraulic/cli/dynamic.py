@@ -16,21 +16,22 @@ def fit_joints(
         typer.Argument(help="Imported log with columns time and segment; several tables, or a pattern in quotes."),
     ],
     commands: Annotated[
-        str,
+        list[str],
         typer.Option(
             help="Columns of the commands (levers, valve currents), separated by commas, in the order of --joints."
         ),
     ],
     joints: Annotated[
-        str,
+        list[str],
         typer.Option(help="Columns of angles or strokes, separated by commas; the first command moves the first one."),
     ],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     more_inputs: Annotated[
-        str | None, typer.Option(help="What else speeds may depend on, such as engine speed, separated by commas.")
+        list[str] | None,
+        typer.Option(help="What else speeds may depend on, such as engine speed, separated by commas."),
     ] = None,
     continuous: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             help="Those of --joints that turn without end, such as a swing, separated by commas: no stops, and nothing depends on the angle, "
             "which must go on past a full turn and not jump back."
@@ -74,8 +75,8 @@ def fit_joints(
     if card is not None:
         card_ending(card)
     read, moved = names_in(commands, "--commands"), names_in(joints, "--joints")
-    more = [] if more_inputs is None else names_in(more_inputs, "--more-inputs")
-    endless = [] if continuous is None else names_in(continuous, "--continuous")
+    more = names_in(more_inputs, "--more-inputs") if more_inputs else []
+    endless = names_in(continuous, "--continuous") if continuous else []
     with progress_bar("fit-joints") as progress:
         found = fit(
             table,

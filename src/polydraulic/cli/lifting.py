@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
+from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app, joined, values_by_name
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -23,7 +23,7 @@ def loadchart(
         float | None, typer.Option(help="Between reaches and heights in m; about nine reaches if not given.")
     ] = None,
     move: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             help="Two functions that bring the tip to its places, boom,stick; the first two that can if not given."
         ),
@@ -67,8 +67,8 @@ def loadchart(
     if kind not in ("", ".html", ".svg", ".png", ".pdf", ".csv", ".parquet"):
         raise InputError(f"--out {out}: ends in .html, .svg, .png, .pdf, .csv or .parquet")
     plant = load_machine(machine)
-    moved = _pair(move) if move is not None else None
-    held = dict(_held(text, plant) for text in hold or ())
+    moved = _pair(joined(move)) if move else None
+    held = {name: _held(name, value, plant) for name, value in values_by_name(hold or (), "--hold").items()}
     with progress_bar("loadchart") as progress:
         progress("poses and limits", 0, 2)
         chart = load_chart(plant, step=step, moved=moved, lifting=lift, held=held)
@@ -102,21 +102,20 @@ def _pair(text: str) -> tuple[str, str]:
     return names[0], names[1]
 
 
-def _held(text: str, machine: object) -> tuple[str, float]:
-    """Name and position in SI of what `--hold` says."""
+def _held(name: str, value: str, machine: object) -> float:
+    """Position in SI where `--hold` holds a function."""
     from polydraulic.parameters.layout.schema import LayoutMachine
     from polydraulic.units import read_unit
 
     assert isinstance(machine, LayoutMachine)
-    name, _, value = (part.strip() for part in text.partition("="))
     if name not in machine.names:
-        raise InputError(f"--hold {text!r}: {name!r} is not a function of the machine; there are {list(machine.names)}")
+        raise InputError(f"--hold {name}: {name!r} is not a function of the machine; there are {list(machine.names)}")
     slides = machine.link(machine.function(name).moves).joint == "prismatic"
     try:
         number = float(value)
     except ValueError:
-        raise InputError(f"--hold {text!r}: must be NAME=NUMBER, in {'mm' if slides else 'deg'}") from None
-    return name, read_unit("mm" if slides else "deg").to_si(number)
+        raise InputError(f"--hold {name}={value}: must be NAME=NUMBER, in {'mm' if slides else 'deg'}") from None
+    return read_unit("mm" if slides else "deg").to_si(number)
 
 
 @app.command()

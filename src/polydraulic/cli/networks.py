@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.application import METRIC, UnitsOption, app, say_written
+from polydraulic.cli.application import METRIC, UnitsOption, app, joined, say_written, values_by_name
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -25,8 +25,8 @@ def fit(
             help="CSV or Parquet table; any numbers, no hydraulics needed. Several tables, or a pattern in quotes, are learnt from together."
         ),
     ],
-    inputs: Annotated[str, typer.Option(help="Input columns, separated by commas.")],
-    outputs: Annotated[str, typer.Option(help="Output columns, separated by commas; one model each.")],
+    inputs: Annotated[list[str], typer.Option(help="Input columns, separated by commas.")],
+    outputs: Annotated[list[str], typer.Option(help="Output columns, separated by commas; one model each.")],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     edges: Annotated[
         list[str] | None,
@@ -46,7 +46,7 @@ def fit(
         typer.Option(help="Prior error variance: adaptive, half-variance, or a number; adaptive if not given."),
     ] = None,
     bounds: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             help="Physical bounds of the output: LOW,HIGH, as for --edges; the data's range widened by a tenth if not given."
         ),
@@ -109,7 +109,7 @@ def fit(
     if prior is not None:
         words = prior in ("adaptive", "half-variance")
         settings["prior_variance"] = prior if words else _prior(prior)
-    limits = None if bounds is None else _ends(bounds, "--bounds", partial(_units_of, table, targets))
+    limits = _ends(joined(bounds), "--bounds", partial(_units_of, table, targets)) if bounds else None
     borders = _edges(edges or [], table)
     if dynamic:
         given = {"--edges": borders, "--regions": regions != 1, "--bounds": limits, "--deadbands": deadbands}
@@ -145,7 +145,7 @@ def check(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
     tables: Annotated[list[str] | None, typer.Argument(help="Further tables of --data.")] = None,
     within: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             "--range",
             help="LOW,HIGH: prove that no output can leave this range, or show where one does; in the unit of the model file, or with a unit: '0,170 l/min'.",
@@ -182,11 +182,11 @@ def check(
 
     if tables and not data:
         raise InputError(f"{tables[0]}: a model is judged by tables that follow --data")
-    if data and (within is not None or box):
+    if data and (within or box):
         raise InputError("--data judges a model by measurements; --range and --box go with a proof")
     models = load_models(model)
     outputs = dict.fromkeys(found.output.unit for found in models)
-    limits = None if within is None else _ends(within, "--range", partial(list, outputs))
+    limits = _ends(joined(within), "--range", partial(list, outputs)) if within else None
     read = {variable.name: variable.unit for found in models for variable in found.inputs}
     with progress_bar("check") as progress:
         found = check_models(
@@ -282,8 +282,9 @@ def verify(
         raise typer.Exit(1)
 
 
-def names_in(text: str, option: str) -> list[str]:
-    """Column names that an option holds."""
+def names_in(texts: list[str], option: str) -> list[str]:
+    """Column names that an option holds, given once or several times."""
+    text = joined(texts)
     names = [name.strip() for name in text.split(",")]
     if not all(names) or len(set(names)) < len(names):
         raise InputError(f"{option} {text!r}: must be different column names separated by commas")
@@ -346,18 +347,14 @@ def _units_of(tables: list[str], columns: list[str]) -> list[str]:
 
 
 def _edges(texts: list[str], tables: list[str]) -> dict[str, list[float]]:
-    found: dict[str, list[float]] = {}
-    for text in texts:
-        name, _, cuts = text.partition("=")
-        name = name.strip()
-        found[name] = _in_unit(cuts, f"--edges {name}", partial(_units_of, tables, [name]))
-    return found
+    return {
+        name: _in_unit(cuts, f"--edges {name}", partial(_units_of, tables, [name]))
+        for name, cuts in values_by_name(texts, "--edges").items()
+    }
 
 
 def _box(texts: list[str], read: dict[str, str]) -> dict[str, tuple[float, float]]:
-    found = {}
-    for text in texts:
-        name, _, ends = text.partition("=")
-        units = [read.get(name.strip(), "")]
-        found[name.strip()] = _ends(ends, f"--box {name}", partial(list, units))
-    return found
+    return {
+        name: _ends(ends, f"--box {name}", partial(list, [read.get(name, "")]))
+        for name, ends in values_by_name(texts, "--box").items()
+    }
