@@ -30,7 +30,7 @@ from polydraulic.control import (
 from polydraulic.control.arm import arm_pose, arm_rates, planar_arm
 from polydraulic.control.coordinated import servo_of
 from polydraulic.identification import fit_machine, identify
-from polydraulic.simulation.stepping.levers import full_lever
+from polydraulic.simulation.input_check import full_lever
 from polydraulic.thesis.rough_machine import rough_machine
 from show import table
 

@@ -6,7 +6,7 @@ import pytest
 from polydraulic import InputError, Simulator, load_machine
 from polydraulic.control import lever_pattern
 from polydraulic.control.lever_patterns import STICKS
-from polydraulic.simulation.stepping.levers import full_lever
+from polydraulic.simulation.input_check import full_lever
 
 ISO = {
     ("left_x", 1): ("swing", "swing right"),

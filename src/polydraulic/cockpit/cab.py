@@ -27,7 +27,7 @@ from polydraulic.parameters.fault_catalogue import cockpit_faults
 from polydraulic.parameters.faults import Since, faulty_numbers, stages, unknown_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.plotting.layout_shapes import layout_drawing
-from polydraulic.simulation.stepping.levers import full_lever
+from polydraulic.simulation.input_check import full_lever
 from polydraulic.simulation.stepping.simulator import Simulator
 
 DT = 5e-3  # s

@@ -12,7 +12,7 @@ from polydraulic.cockpit.tipping import chassis_data
 from polydraulic.control.lever_patterns import STICKS
 from polydraulic.display import as_shown, shown_unit
 from polydraulic.plotting.layout_shapes import layout_drawing
-from polydraulic.simulation.stepping.levers import full_lever
+from polydraulic.simulation.input_check import full_lever
 
 _DRAWN = 300  # places of a path
 

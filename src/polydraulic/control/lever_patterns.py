@@ -14,7 +14,7 @@ from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.layout.parts import ROLES, LinkParameters, MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
-from polydraulic.simulation.stepping.levers import full_lever
+from polydraulic.simulation.input_check import full_lever
 
 STICKS = ("left_x", "left_y", "right_x", "right_y", "extra_x", "extra_y")  # positive to the right, and forward
 _MOVES = {  # role: what its joint does, and what a positive position of a joint about z, -y or along an axis is

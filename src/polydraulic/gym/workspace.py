@@ -11,9 +11,9 @@ from polydraulic.machine.reach.poses import ReachedPoses, reached_poses
 from polydraulic.machine.reach.tip import slew_sign, tip_at_joints
 from polydraulic.machine.reach.travels import JointTravels, inward, travels_of
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.input_check import full_lever
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import start_vector
-from polydraulic.simulation.stepping.levers import full_lever
 
 _STARTS = 32
 _SETTLING, _WATCHED, _STILL = 3.0, 1.0, 2e-3  # s, s, rad or m

@@ -56,6 +56,7 @@ class Batch:
     beyond_log : (n_machine,) array of int
         Steps beyond the travel or pressure of the log that a machine was identified from; 0 if it was not.
     info : dict
+        ``doubtful_inputs``, if there are any, as of `simulate`: voltages far beyond those of full travel, each of the machine where it is worst.
     """
 
     names: tuple[str, ...]
@@ -193,7 +194,8 @@ def simulate_batch(
         not_converged=counts[:, 1],
         out_of_domain=counts[:, 2:].max(axis=1),
         beyond_log=counts[:, 3],
-        info={"flow": cases.flow, "dt": dt, "steps": n_step},
+        info={"flow": cases.flow, "dt": dt, "steps": n_step}
+        | ({"doubtful_inputs": cases.doubts} if cases.doubts else {}),
     )
 
 

@@ -19,6 +19,7 @@ from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.simulation.batch.family import Family, family_of
 from polydraulic.simulation.changed_flow import changed_flow
+from polydraulic.simulation.input_check import full_lever, voltage_warnings
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import check_served, segments, step_inputs
@@ -59,6 +60,8 @@ class Cases(NamedTuple):
         Functions that move in one case at least.
     n_memory : int
         Floats that a step keeps or uses as scratch.
+    doubts : list of str
+        What is doubtful in the voltages, though it can be run.
     """
 
     family: Family
@@ -71,6 +74,7 @@ class Cases(NamedTuple):
     signal: np.ndarray
     free: tuple[str, ...]
     n_memory: int
+    doubts: list[str]
 
 
 def arrange_cases(
@@ -159,6 +163,7 @@ def arrange_cases(
         signal,
         free,
         model.n_memory,
+        voltage_warnings(functions, voltage, signal, np.array([_full_levers(*pairs[i][:2]) for i in first])[kind]),
     )
 
 
@@ -170,6 +175,12 @@ def _functions(machines: Sequence[LayoutMachine]) -> tuple[str, ...]:
             f"the machines have {len(layouts)} layouts; a batch holds machines of one layout, which differ in numbers alone"
         )
     return machines[0].names
+
+
+def _full_levers(machine: LayoutMachine, scenario: Scenario | None) -> list[float]:
+    """Voltages in V that give the spools of a machine without faults full travel; infinite for what a scenario locks."""
+    plain, locked = (adapted(machine, scenario), scenario.locked) if scenario else (machine, ())
+    return [np.inf if f.name in locked else full_lever(f) for f in plain.functions]
 
 
 def _faults(faults: Any) -> list[tuple[Any, ...]]:

@@ -21,7 +21,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.changed_flow import changed_flow
-from polydraulic.simulation.input_check import fault_warnings, input_warnings
+from polydraulic.simulation.input_check import fault_warnings, full_lever, input_warnings
 from polydraulic.simulation.layout.columns import (
     EFFECTOR,
     AddedColumn,
@@ -101,8 +101,7 @@ def simulate_layout(
     n_step = n_steps(scenario, dt, t_end, every)
     time = np.arange(n_step // every + 1) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
-    full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
-    doubts = input_warnings(scenario, full_lever, t_end)
+    doubts = input_warnings(scenario, {f.name: full_lever(f) for f in machine.functions}, t_end)
     if method == "semi-implicit":
         doubts += step_warnings(machine, prepare_layout(machine, dt, scenario.locked, flow=model), dt)
     doubts += fault_warnings(timed, n_step * dt)

@@ -10,7 +10,7 @@ from polydraulic.display import amount
 from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.input_check import BEYOND
+from polydraulic.simulation.input_check import BEYOND, full_lever
 from polydraulic.simulation.layout.methods.event_log import event_limits
 from polydraulic.simulation.layout.seen import seen_limits
 from polydraulic.simulation.stepping.marks import Hand
@@ -40,11 +40,6 @@ def hand_of(machine: LayoutMachine, dt: float, locked: Collection[str]) -> Hand:
         event_limits(machine),
         seen_limits(machine),
     )
-
-
-def full_lever(function: MachineFunction) -> float:
-    """Voltage in V that gives a function's spool full travel."""
-    return function.valve.knots[-1] / function.pilot.gain
 
 
 def named_voltages(inputs: Mapping[str, Any], names: Sequence[str], locked: Collection[str]) -> list[Any]:
