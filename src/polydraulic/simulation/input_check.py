@@ -63,6 +63,10 @@ def voltage_warnings(
     -------
     list of str
     """
+    if (
+        max(voltage.max(), -voltage.min()) <= BEYOND * full_lever.min()
+    ):  # nearly always, and many times faster than what follows
+        return []
     largest = np.maximum(voltage.max(axis=1), -voltage.min(axis=1))[signal]
     worst = np.argmax(largest / full_lever, axis=0)
     found = []
