@@ -82,7 +82,7 @@ def test_bash_completes_commands_options_and_values():
     assert complete("polydraulic simulate --uni") == ["--units"]
     assert complete("polydraulic simulate task --units ") == ["metric", "field", "si"]
     assert set(complete("polydraulic simulate s")) == {name for name in scenario_names() if name.startswith("s")}
-    assert complete("polydraulic simulate task --flow po") == ["polynomial"]
+    assert complete("polydraulic simulate task --flow po") == ["polynomial", "polynomial-fine"]
 
 
 def test_bash_takes_the_script(tmp_path):
