@@ -52,7 +52,7 @@ def test_a_hundredth_of_the_rows_may_go_half_beyond_what_the_machine_can_do(mach
     ("highest", "n", "named"),
     [
         (1.01e5, 1001, None),
-        (9.9 * RELIEF, 1001, None),
+        (9.9 * RELIEF, 40, None),  # in few rows: more beyond 2000 bar are no Pa
         (10.1 * RELIEF, 10, None),
         (10.1 * RELIEF, 12, "3.03e\\+08 Pa; the relief valve opens at 3e\\+07 Pa"),
         (9.9e3, 1001, "9900 Pa; the relief valve opens at 3e\\+07 Pa"),
