@@ -114,6 +114,7 @@ def test_forces_in_lanes_have_the_bits_of_single_runs(crane, loads):
     batch = simulate_batch(crane, "exact", scenarios, keep=["rows"])
     run = simulate(crane, "exact", scenarios[2])
     assert all(np.array_equal(batch[name][2], run[name]) for name in batch.names)
+    assert "doubtful_inputs" not in {**batch.info, **run.info}  # forces are no voltages
 
 
 def test_what_passes_a_crossover_is_given_by_one_pump_and_gained_by_the_other(joined_crane):

@@ -152,6 +152,8 @@ def arrange_cases(
         )
     family = family_of(kinds[0].machine, kinds[0].flow, force=forced == {True})
     model = kinds[0].flow
+    driven = voltage[..., : len(functions)]  # behind them stand forces at the tip
+    full = np.array([_full_levers(*pairs[i][:2]) for i in first])[kind]
     return Cases(
         family,
         model.name,
@@ -163,7 +165,7 @@ def arrange_cases(
         signal,
         free,
         model.n_memory,
-        voltage_warnings(functions, voltage, signal, np.array([_full_levers(*pairs[i][:2]) for i in first])[kind]),
+        voltage_warnings(functions, driven, signal, full),
     )
 
 
