@@ -227,9 +227,8 @@ class _Merged:
                     self.resampler.tracks[self.place[check.channel.source]].add(samples, check.raster)
             reach = max(track.reach for track in self.resampler.tracks)
             until = min((self.clocks[n].last for n in reading), default=inf) - reach
-            if (
-                until > -inf and (fastest := self._fastest()) is not None
-            ):  # all groups have begun, and no row is written yet
+            fastest = self._fastest()
+            if until > -inf and fastest is not None:  # all groups have begun, and no row is written yet
                 fastest.check_table(self.resampler.raster)
             yield _Done(until, float(np.mean(shares)))
 

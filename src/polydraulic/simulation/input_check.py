@@ -63,9 +63,8 @@ def voltage_warnings(
     -------
     list of str
     """
-    if (
-        max(voltage.max(), -voltage.min()) <= BEYOND * full_lever.min()
-    ):  # nearly always, and many times faster than what follows
+    # nearly always, and many times faster than what follows
+    if max(voltage.max(), -voltage.min()) <= BEYOND * full_lever.min():
         return []
     largest = np.maximum(voltage.max(axis=1), -voltage.min(axis=1))[signal]
     worst = np.argmax(largest / full_lever, axis=0)

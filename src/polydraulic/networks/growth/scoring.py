@@ -110,12 +110,9 @@ def _look_up(m: Moments, where: np.ndarray, inputs: np.ndarray, found: np.ndarra
             else:
                 z = inputs[k, r]
                 low, high = min(x, y), max(x, y)
+                # the same for all choices of the pair: summed for one
                 if z < high and (table == _TRIPLE_TARGET or e == (1 if table == _TRIPLE else 2)):
-                    low, high, z = (
-                        min(low, z),
-                        max(low, z),
-                        high,
-                    )  # the same for all choices of the pair: summed for one
+                    low, high, z = min(low, z), max(low, z), high
                 pair = high * (high - 1) // 2 + low
                 if table == _TRIPLE:
                     found[row, k] = m.triple[pair, z, e - 1]

@@ -18,7 +18,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 _SHORTEST, _LONGEST = 0.03, 0.15
 _HALF = float(
     np.sqrt(np.log(2.0))
-)  # of a Gaussian filter's width times the frequency at which it passes half of the power
+)  # width of a Gaussian filter times the frequency at which it passes half of the power
 _POSES = 100
 
 
