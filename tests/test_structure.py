@@ -88,8 +88,6 @@ TESTED_ELSEWHERE = {
     "simulation/stepping/saved.py": ("simulation/stepping/test_simulator.py", "what is saved comes back there"),
     "simulation/stepping/setup.py": ("simulation/stepping/test_simulator.py", "what cannot be built is named there"),
     "simulation/stepping/stepped.py": ("simulation/stepping/test_simulator.py", "what one and many have in common"),
-    "simulation/stepping/until.py": ("simulation/stepping/test_simulator.py", "runs end there as they should"),
-    "simulation/stepping/tip_load.py": ("simulation/stepping/test_simulator.py", "loads are those of scenarios there"),
     "watch/block.py": (
         "watch/test_noise.py",
         "residuals of blocks there; their scores in test_directions.py, states in test_flat.py",

@@ -6,7 +6,8 @@ import numba
 import numpy as np
 import pytest
 
-from helpers.held_levers import held_scenario, random_levers, random_split
+from helpers.held_levers import held_scenario
+from helpers.held_steps import DT, MANY, TIP, levers_of, play
 from polydraulic import (
     AbductiveRegressor,
     BatchSimulator,
@@ -19,33 +20,10 @@ from polydraulic import (
 )
 from polydraulic.flow.layout.slots import residual
 from polydraulic.parameters.layout.parts import Seen
-from polydraulic.parameters.loads import Loads, Payload
-from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import start_vector
 
-DT, N = 5e-3, 70  # more than stand side by side
-TIP = ("effector.x", "effector.y", "effector.z")
-
-
-def slowly(test):
-    """Of a text of its own, or with parameters of its own, which takes long to compile: quick in plain Python alone."""
-    return test if numba.config.DISABLE_JIT else pytest.mark.slow(test)
-
-
 STEPS = 6 if numba.config.DISABLE_JIT else 60  # of 128 lanes
-
-
-def levers_of(n_step, n_function, seed=0, n=N):
-    return np.stack([random_levers(seed + i, n_step, n_function, each=6, limit=1.0) for i in range(n)])
-
-
-def play(sim, levers, seed=0, begin=0):
-    """Play levers in calls of random lengths."""
-    rng = np.random.default_rng(seed)
-    for k in range(begin, levers.shape[1], 6):
-        for n in random_split(rng, min(6, levers.shape[1] - k)):
-            sim.step(levers[:, k], n=n)
 
 
 def assert_bits(sim, names, rows, which=slice(None)):
@@ -61,11 +39,11 @@ def assert_bits(sim, names, rows, which=slice(None)):
 def test_any_division_into_calls_has_the_bits_of_a_batch(loader, threads):
     levers = levers_of(STEPS, 2)
     batch = simulate_batch(loader, "exact", levers, dt=DT, keep=["rows"])
-    with BatchSimulator(loader, N, threads=threads) as sim:
+    with BatchSimulator(loader, MANY, threads=threads) as sim:
         assert_bits(sim, batch.names, batch.rows[:, 0])
         play(sim, levers, threads)
         assert_bits(sim, batch.names, batch.final)
-        assert np.array_equal(sim.time, np.full(N, STEPS * DT))
+        assert np.array_equal(sim.time, np.full(MANY, STEPS * DT))
         assert not sim.diverged.any()
         assert np.array_equal(sim.steps_not_converged, batch.not_converged)
         assert set(sim.outputs) == set(batch.names)
@@ -74,14 +52,14 @@ def test_any_division_into_calls_has_the_bits_of_a_batch(loader, threads):
 
 def test_single_machines_begin_anew_and_their_neighbours_do_not_notice(loader):
     levers, again = levers_of(STEPS, 2), levers_of(STEPS, 2, 500)
-    mask = np.random.default_rng(1).random(N) < 0.3
+    mask = np.random.default_rng(1).random(MANY) < 0.3
     batch = simulate_batch(loader, "exact", levers, dt=DT, keep=["rows"])
     state = np.column_stack([batch.final[:, batch.place(column.name)] for column in columns_of(loader).columns[:10]])
     fresh = simulate_batch(loader, "exact", again, dt=DT, x0=state, keep=["rows"])
     half = STEPS // 12 * 6
-    with BatchSimulator(loader, N) as sim:
+    with BatchSimulator(loader, MANY) as sim:
         play(sim, levers[:, :half])
-        sim.reset(np.zeros(N, dtype=bool), {"lift.angle": 0.1})  # none
+        sim.reset(np.zeros(MANY, dtype=bool), {"lift.angle": 0.1})  # none
         sim.reset(mask, state)
         assert_bits(sim, batch.names, batch.rows[:, half], ~mask)
         assert_bits(sim, batch.names, fresh.rows[:, 0], mask)
@@ -93,7 +71,7 @@ def test_single_machines_begin_anew_and_their_neighbours_do_not_notice(loader):
 
 def test_what_is_saved_comes_back_bit_for_bit(loader):
     levers = levers_of(STEPS // 5, 2)
-    with BatchSimulator(loader, N) as sim, BatchSimulator(loader, N) as other:
+    with BatchSimulator(loader, MANY) as sim, BatchSimulator(loader, MANY) as other:
         play(sim, levers)
         saved = sim.save()
         play(sim, levers)
@@ -107,9 +85,9 @@ def test_what_is_saved_comes_back_bit_for_bit(loader):
 
 
 def test_a_machine_that_diverges_stands_still_alone(loader):
-    wild = np.arange(N) == 5
+    wild = np.arange(MANY) == 5
     overflow = np.errstate(all="ignore")  # in plain Python
-    with overflow, BatchSimulator(loader, N) as sim, BatchSimulator(loader, N) as other:
+    with overflow, BatchSimulator(loader, MANY) as sim, BatchSimulator(loader, MANY) as other:
         sim.reset(wild, {"lift.rate": 1e300})
         for each in (sim, other):
             each.step({"lift": 0.5}, n=2)
@@ -122,7 +100,7 @@ def test_a_machine_that_diverges_stands_still_alone(loader):
         assert all(np.isfinite(sim[name]).all() for name in sim.outputs)
 
 
-def randomised(loader, n=N):
+def randomised(loader, n=MANY):
     """Machines with other pilots, dead times and links."""
     rng, found = np.random.default_rng(3), []
     for _ in range(n):
@@ -139,10 +117,10 @@ def randomised(loader, n=N):
     return found
 
 
-@slowly
+@pytest.mark.slow_to_compile
 def test_machines_of_their_own_with_dead_times(loader):
     machines, levers = randomised(loader), levers_of(STEPS // 2, 2)
-    others, mask = randomised(loader)[::-1], np.arange(N) % 3 == 0
+    others, mask = randomised(loader)[::-1], np.arange(MANY) % 3 == 0
     with BatchSimulator(machines) as sim:
         play(sim, levers)
         for i in (0, 31, 63, 64, 69):
@@ -156,7 +134,7 @@ def test_machines_of_their_own_with_dead_times(loader):
         assert all(sim[name][63] == run[name][-1] for name in sim.outputs if name not in TIP)
 
 
-@slowly
+@pytest.mark.slow_to_compile
 def test_one_machine_several_times_makes_room_for_others(loader):
     others = randomised(loader, 2)
     with BatchSimulator([loader, loader], longest_delay=0.1) as sim:
@@ -167,48 +145,6 @@ def test_one_machine_several_times_makes_room_for_others(loader):
             assert sim["lift.angle"][i] == run["lift.angle"][-1]
 
 
-@slowly
-def test_forces_and_payloads_of_each_machine(loader):
-    mass, push = np.linspace(0.0, 2000.0, N), np.linspace(-5e3, 5e3, N)
-    levers = levers_of(STEPS // 2, 2)
-    with BatchSimulator(loader, N, load={"payload": mass, "z": push}) as sim:
-        play(sim, levers)
-        for i in (0, 40, 69):
-            load = Loads({"z": Constant(push[i])}, Payload((0.0,), (mass[i],)))
-            run = simulate(loader, "exact", held_scenario(loader, levers[i], DT, load=load))
-            assert all(sim[name][i] == run[name][-1] for name in sim.outputs if name not in TIP)
-        sim.reset(payload=mass[::-1])
-        sim.step(levers[:, 0], n=3, load={"z": 0.0, "x": push})
-        load = Loads({"z": Constant(0.0), "x": Constant(push[2])}, Payload((0.0,), (mass[::-1][2],)))
-        run = simulate(loader, "exact", held_scenario(loader, levers[2, :3], DT, load=load))
-        assert all(sim[name][2] == run[name][-1] for name in sim.outputs if name not in TIP)
-
-
-@slowly
-def test_payloads_change_between_steps_and_the_first_ones_come_back(loader):
-    levers, first, later = levers_of(24, 2, n=3), np.array([0.0, 500.0, 0.0]), np.array([0.0, 800.0, 1500.0])
-    mask = np.array([False, True, True])
-    with BatchSimulator(loader, 3, load={"payload": first, "z": -100.0}) as sim:
-        start = {name: values.copy() for name, values in sim.outputs.items()}
-        sim.step(levers[:, 0], n=12)
-        sim.step(levers[:, 12], n=12, load={"payload": later, "x": 50.0})
-        for i in range(3):
-            with Simulator(loader, load={"payload": first[i], "z": -100.0, "x": 0.0}) as one:
-                one.step(levers[i, 0], n=12)
-                one.step(levers[i, 12], n=12, load={"payload": later[i], "x": 50.0})
-                assert all(sim[name][i] == one[name] for name in sim.outputs if name not in TIP)
-        sim.reset(mask)
-        assert all(np.array_equal(sim[name][mask], start[name][mask]) for name in sim.outputs)
-        sim.step(levers[:, 0], n=12)
-        for i, (mass, force) in enumerate([(0.0, 50.0), (500.0, 0.0), (0.0, 0.0)]):
-            with Simulator(loader, load={"payload": mass, "z": -100.0, "x": force}) as one:
-                if i == 0:
-                    one.step(levers[0, 0], n=12, load={"x": 0.0})
-                    one.step(levers[0, 12], n=12, load={"x": 50.0})
-                one.step(levers[i, 0], n=12)
-                assert all(sim[name][i] == one[name] for name in sim.outputs if name not in TIP)
-
-
 def test_steps_beyond_the_log_of_each_are_counted(loader):
     levers = levers_of(STEPS, 2)
     seen = [
@@ -216,7 +152,7 @@ def test_steps_beyond_the_log_of_each_are_counted(loader):
         for seen in (Seen(2e-4), Seen(1.0, 1e6))
     ]
     batch = simulate_batch(seen[0], "exact", levers, dt=DT)
-    with BatchSimulator(seen[0], N) as sim:
+    with BatchSimulator(seen[0], MANY) as sim:
         play(sim, levers)
         assert np.array_equal(sim.steps_beyond_log, batch.beyond_log)
         assert np.array_equal(sim.steps_out_of_domain, batch.out_of_domain)
@@ -225,7 +161,7 @@ def test_steps_beyond_the_log_of_each_are_counted(loader):
             run = simulate(seen[0], "exact", held_scenario(loader, levers[i], DT))
             assert sim.steps_beyond_log[i] == run.info["steps_beyond_log"]
         assert sim.steps_beyond_log.max() > 0
-        sim.reset(np.arange(N) == 0)
+        sim.reset(np.arange(MANY) == 0)
         assert sim.steps_beyond_log[0] == 0
     mixed = simulate_batch([loader, *seen], "exact", levers[:3], dt=DT)
     assert mixed.beyond_log[0] == 0
@@ -260,7 +196,7 @@ def left_over(loader):
 @pytest.mark.slow_to_compile
 @pytest.mark.parametrize("name", ["polynomial", "residual"])
 def test_networks_are_stepped_side_by_side(loader, machine, name):
-    one, n, n_step = machine if name == "polynomial" else loader, 3 if numba.config.DISABLE_JIT else N, 18
+    one, n, n_step = machine if name == "polynomial" else loader, 3 if numba.config.DISABLE_JIT else MANY, 18
     flow = name if name == "polynomial" else left_over(loader)
     heavy = one.with_values({f"links.{one.functions[-1].moves}.mass": 900.0})
     levers = levers_of(n_step, len(one.names), n=n)
@@ -300,7 +236,7 @@ def test_machines_with_other_networks_are_named(machine):
         assert all(np.array_equal(was, getattr(sim._engine, key)) for key, was in before.arrays.items())
 
 
-@slowly
+@pytest.mark.slow_to_compile
 def test_locked_functions_in_lanes(loader):
     with BatchSimulator(loader, 2, locked=["tilt"]) as sim, Simulator(loader, locked=["tilt"]) as one:
         sim.step(np.full((2, 2), 0.5), n=4)

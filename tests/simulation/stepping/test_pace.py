@@ -1,6 +1,7 @@
+import numpy as np
 import pytest
 
-from polydraulic import InputError
+from polydraulic import InputError, Simulator
 from polydraulic.simulation.stepping.pace import PATIENCE, Pace
 
 
@@ -79,3 +80,21 @@ def test_a_clock_that_stands_still_ends_no_wait():
 def test_speeds_that_are_none(speed):
     with pytest.raises(InputError, match="realtime = .*: must be a finite number"):
         Pace(speed)
+
+
+def test_real_time_is_kept_by_deadlines_and_never_written_into_the_run(loader):
+    clock = Clock()
+    free, sim = Simulator(loader), Simulator(loader, realtime=2.0, clock=clock, sleep=clock.sleep)
+    for k in range(40):
+        clock.now += 0.4 if k == 20 else 0.001  # somebody thinks for long, once
+        sim.step([0.5, 0.1], n=2)
+        free.step([0.5, 0.1], n=2)
+    assert np.array_equal(sim.values, free.values)
+    assert sim.time == free.time == 0.4
+    assert sim.pace.overruns == 1
+    assert sim.pace.lost == pytest.approx(0.4 - 0.005)
+    assert clock.now == pytest.approx(50.0 + 0.001 + 0.2 + sim.pace.lost)
+    sim.reset()
+    clock.now += 7.0  # a new run has a new schedule
+    sim.run_until(0.1)
+    assert sim.pace.overruns == 1
