@@ -319,3 +319,95 @@ def test_a_table_without_columns_is_not_written(tmp_path, ending):
 def test_whole_numbers_that_no_float_holds_are_named():
     with pytest.raises(InputError, match="column 'a' is not a sequence of numbers"):
         Table.from_dict({"a": [2**70]})
+
+
+def partly_silent():
+    """Seven rows, of which `a` and `b` lack some at different times."""
+    nan = np.nan
+    columns = {
+        "time": np.arange(7) * 0.1,
+        "segment": np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]),
+        "a": np.array([1.0, 2.0, nan, 4.0, 5.0, 6.0, 7.0]),
+        "b": np.array([nan, 2.0, 3.0, 4.0, 5.0, 6.0, nan]),
+    }
+    return Table(columns, {"time": "s", "segment": "1", "a": "m", "b": ""}, {"n": 1})
+
+
+def test_declared_missing_values_are_counted_by_row():
+    table = partly_silent().partial()
+    assert table["missing"].tolist() == [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    assert table.unit("missing") == "1"
+    assert table.partial() == table
+    assert table.known(["a"]).tolist() == [True, True, False, True, True, True, True]
+
+
+def test_whole_rows_are_those_of_the_columns_asked_for_and_segments_are_cut():
+    table = partly_silent().partial()
+    of_a = table.whole(["time", "segment", "a"])
+    assert of_a.names == ["time", "segment", "a"]
+    assert of_a["a"].tolist() == [1.0, 2.0, 4.0, 5.0, 6.0, 7.0]
+    assert of_a["segment"].tolist() == [0.0, 0.0, 1.0, 1.0, 2.0, 2.0]
+    of_both = table.whole(["time", "segment", "a", "b"])
+    assert of_both["time"] == pytest.approx([0.1, 0.3, 0.4, 0.5])
+    assert of_both["segment"].tolist() == [0.0, 1.0, 1.0, 2.0]
+    assert (of_both.unit("a"), of_both.info) == ("m", {"n": 1})
+    alone = table.whole(["time", "segment"])
+    assert alone["segment"].tolist() == partly_silent()["segment"].tolist()
+    assert TABLE.whole(TABLE.names) == TABLE
+
+
+def test_a_column_that_lacks_values_is_not_given_silently():
+    table = partly_silent().partial()
+    with pytest.raises(InputError, match=r"column 'b' has no value in 2 of 7 rows; take whole rows .* table.whole"):
+        table["b"]
+    with pytest.raises(InputError, match="column 'a' has no value in 1 of 7 rows"):
+        table.matrix(["time", "a"])
+    assert np.isnan(table.columns["b"][0])
+    assert "nan" in repr(table)
+    assert "nan" in table._repr_html_()
+    silent = Table.from_dict({"time": [0.0, 1.0], "a": [np.nan, 1.0], "b": [1.0, np.nan]}).partial()
+    with pytest.raises(InputError, match="no row has a value of all of a, b; 'a' has 1 in 2 rows"):
+        silent.whole(["a", "b"])
+
+
+@pytest.mark.parametrize(("name", "value"), [("time", np.nan), ("segment", np.nan), ("a", np.inf)])
+def test_times_segments_and_infinite_values_cannot_be_missing(name, value):
+    table = partly_silent()
+    table.columns[name][1] = value
+    with pytest.raises(InputError, match=f"column '{name}' holds (nan|inf) in row 2"):
+        table.partial()
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_declared_missing_values_are_written_and_read(tmp_path, ending):
+    table, path = partly_silent().partial(), tmp_path / f"a.{ending}"
+    write_table(table, path)
+    assert read_table(path, partial=True) == table
+    assert read_table(path) == table.whole(["time", "segment", "a", "b"])
+    assert read_table(path, ["a"], optional=["segment"]) == table.whole(["a", "segment"])
+    some = read_table(path, ["time"], optional=["b"], partial=True)
+    assert some.names == ["time", "b", "missing"]
+    assert some["missing"].tolist() == [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+    if ending == "parquet":
+        assert pq.read_table(path)["b"].null_count == 2
+    else:
+        assert path.read_text().splitlines()[1] == "0,0,1,,1"
+
+
+def test_missing_values_that_are_not_declared_or_miscounted_are_refused(tmp_path):
+    table, path = partly_silent().partial(), tmp_path / "a.parquet"
+    table["missing"][1] = 1.0
+    write_table(table, path)
+    for partial in (False, True):
+        with pytest.raises(InputError, match="column 'missing' must count the values that the other columns lack"):
+            read_table(path, partial=partial)
+    write_table(partly_silent(), path)
+    with pytest.raises(InputError, match="column 'b' holds nan in row 1 .2 of 7 rows."):
+        read_table(path, ["b"], partial=True)
+
+
+def test_declared_missing_values_survive_pandas_and_arrow():
+    table = partly_silent().partial()
+    assert table.to_arrow()["a"].null_count == 1
+    assert Table.from_arrow(table.to_arrow()) == table
+    assert Table.from_pandas(table.to_pandas()) == table

@@ -4,18 +4,21 @@ The package computes in SI and writes SI. Whatever is printed, drawn or set into
 and converts here, last of all. A column in a unit of its own (psi, degC, none) is not SI and stays as it is.
 """
 
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any, TypeVar
 
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.pages import html
 from polydraulic.units import from_si
 
 Value = TypeVar("Value", float, np.ndarray)
 
 DEFAULT = "metric"
 _LONGEST = 80  # letters of a name in a picture, which would have no room for more
+_SHOWN_ROWS, _SHOWN_COLUMNS = 5, 30  # at both ends; of a table that is displayed
 # SI unit of a kind of quantity -> the unit it is shown in; a kind that is left out is shown in SI
 SYSTEMS: dict[str, dict[str, str]] = {
     "metric": {
@@ -158,3 +161,39 @@ def time_axis(seconds: np.ndarray, began: float = 0.0) -> tuple[Any, str]:
     dates = (1e6 * at).astype("datetime64[us]")
     first, last = (str(np.datetime64(end, "D")) for end in (np.nanmin(dates), np.nanmax(dates)))
     return dates, f"time of day, {first}" if first == last else f"date and time, {first} to {last}"
+
+
+def head(name: str, unit: str) -> str:
+    """Name and unit of a column as files have them: ``"boom.p_in [Pa]"``."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def columns_text(columns: Mapping[str, np.ndarray], units: Mapping[str, str]) -> str:
+    """Names, units and the first and last value of columns of equal length, in lines."""
+    heads = [head(name, units.get(name, "")) for name in list(columns)[:_SHOWN_COLUMNS]]
+    width, n_row = max(map(len, heads), default=0), _rows_of(columns)
+    lines = [f"Table of {n_row} rows and {len(columns)} columns"]
+    for text, values in zip(heads, columns.values(), strict=False):
+        ends = f"{values[0]:.6g} ... {values[-1]:.6g}" if n_row > 1 else ", ".join(f"{v:.6g}" for v in values)
+        lines.append(f"  {text.ljust(width)}  {ends}".rstrip())
+    rest = len(columns) - len(heads)
+    return "\n".join([*lines, *([f"  and {rest} more"] if rest else [])])
+
+
+def columns_html(columns: Mapping[str, np.ndarray], units: Mapping[str, str]) -> str:
+    """Rows at both ends of columns of equal length, under names and units: what a notebook displays."""
+    names, n = list(columns)[:_SHOWN_COLUMNS], _rows_of(columns)
+    at = range(n) if n <= 2 * _SHOWN_ROWS else [*range(_SHOWN_ROWS), *range(n - _SHOWN_ROWS, n)]
+    rows = [[str(row), *(f"{columns[name][row]:.6g}" for name in names)] for row in at]
+    if n > len(rows):
+        rows.insert(_SHOWN_ROWS, ["..."] * (1 + len(names)))
+    more = ", the first shown" if len(names) < len(columns) else ""
+    return html.table(
+        f"{n} rows, {len(columns)} columns{more}",
+        ["row", *(head(name, units.get(name, "")) for name in names)],
+        rows,
+    )
+
+
+def _rows_of(columns: Mapping[str, np.ndarray]) -> int:
+    return len(next(iter(columns.values()), ()))

@@ -2,35 +2,43 @@
 
 A simulated run, a training database and a measured log are all such tables. In a CSV file the header carries the
 unit in brackets, ``boom.p_in [Pa]``; in a Parquet file it is in the metadata of the field.
+
+A table whose columns lack values in some rows says so by a column ``missing``: how many of the others have none in each row. Such a
+value is empty in CSV, null in Parquet and NaN in memory, and is given only to who asks for it (`partial`); others get whole rows.
 """
 
-import json
-import re
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.arrow_columns import arrow_floats
-from polydraulic.display import DEFAULT, as_shown, shown_unit
-from polydraulic.errors import InputError, briefly
+from polydraulic.display import DEFAULT, as_shown, columns_html, columns_text, head, shown_unit
+from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.names import checked_name, checked_text
-from polydraulic.pages import html
+from polydraulic.table_files import (
+    OF_LOGS,
+    arrow_floats,
+    arrow_info,
+    arrow_numbers,
+    arrow_schema,
+    arrow_unit,
+    name_and_unit,
+    quoted,
+    read_file,
+    refuse_twice,
+    write_rows,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
     from numpy.typing import ArrayLike
 
-_HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$", re.DOTALL)
-_INFO_KEY = b"polydraulic"
-_OF_LOGS = "a log as it was recorded goes through `polydraulic import` first"
-_SHOWN_ROWS, _SHOWN_COLUMNS = 5, 30  # at both ends; of a table that is displayed
+MISSING = "missing"  # the column that declares missing values
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,6 +47,8 @@ class Table:
 
     ``len(table)`` is the number of rows; iteration and ``in`` go over the names. Two tables are equal if they have the same names in
     the same order, the same units and the same values, where NaN equals NaN; `info` does not count.
+
+    ``table[name]`` of a table that declares missing values is refused where the column lacks some; `whole` gives rows that have all.
 
     Attributes
     ----------
@@ -84,7 +94,7 @@ class Table:
         data = {}
         for name, values in columns.items():
             try:
-                data[str(name)] = _numbers(pa.array(values), str(name), "")
+                data[str(name)] = arrow_numbers(pa.array(values), str(name))
             except (pa.ArrowException, TypeError, OverflowError) as error:
                 said = str(error).splitlines()[0]
                 raise InputError(f"column {str(name)!r} is not a sequence of numbers ({said})") from error
@@ -111,10 +121,10 @@ class Table:
         InputError
             A column that holds anything else than numbers, or a name that appears twice.
         """
-        _refuse_twice(table.column_names, "")
-        columns = {name: _numbers(table.column(name), name, "") for name in table.column_names}
+        refuse_twice(table.column_names, "")
+        columns = {name: arrow_numbers(table.column(name), name) for name in table.column_names}
         try:
-            return cls(columns, {entry.name: _unit_of(entry) for entry in table.schema}, _info_of(table.schema))
+            return cls(columns, {entry.name: arrow_unit(entry) for entry in table.schema}, arrow_info(table.schema))
         except (ValueError, RecursionError) as error:
             raise InputError(f"units or info in the metadata of the table are damaged ({error})") from error
 
@@ -134,7 +144,7 @@ class Table:
             As for `from_dict` and `from_arrow`.
         """
         names = [str(name) for name in frame.columns]
-        _refuse_twice(names, "")
+        refuse_twice(names, "")
         if units is None:
             units = {name: unit for name, unit in frame.attrs.get("units", {}).items() if name in names}
         columns = {name: frame.iloc[:, place] for place, name in enumerate(names)}
@@ -142,7 +152,8 @@ class Table:
 
     def to_arrow(self) -> "pa.Table":
         """Return an Arrow table; units are in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
-        return arrow_floats(self.columns.values(), _schema({n: self.unit(n) for n in self}, self.info))
+        schema = arrow_schema({n: self.unit(n) for n in self}, self.info)
+        return arrow_floats(self.columns.values(), schema, nulls=MISSING in self)
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a data frame; units are in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
@@ -167,7 +178,63 @@ class Table:
         """Return the named columns side by side, shape (n_row, n_name)."""
         return np.column_stack([self[name] for name in names])
 
+    def known(self, names: Sequence[str]) -> np.ndarray:
+        """Return in which rows all of the named columns have a value, (n_row,) array of bool."""
+        found = np.ones(len(self), dtype=bool)
+        for name in names if MISSING in self else ():
+            found &= ~np.isnan(self._column(name))
+        return found
+
+    def whole(self, names: Sequence[str]) -> "Table":
+        """Return the named columns in the rows in which all of them have a value; a table that declares no missing values keeps all rows.
+
+        Where rows are left out, ``segment`` is counted anew: rows of one segment still follow each other without a gap.
+
+        Raises
+        ------
+        InputError
+            No such column, or no row with a value of all of them.
+        """
+        keep, units = self.known(names), {name: self.unit(name) for name in names}
+        if keep.all():
+            return Table({name: self._column(name) for name in names}, units, self.info)
+        if not keep.any():
+            least = min(names, key=lambda name: np.count_nonzero(self.known([name])))
+            raise InputError(
+                f"no row has a value of all of {', '.join(names)}; {least!r} has {np.count_nonzero(self.known([least]))} in {len(self)} rows"
+            )
+        columns = {name: self._column(name)[keep] for name in names}
+        if "segment" in columns:
+            cut = (np.diff(np.flatnonzero(keep)) > 1) | (np.diff(columns["segment"]) != 0.0)
+            columns["segment"] = np.concatenate([[0.0], np.cumsum(cut)])
+        return Table(columns, units, self.info)
+
+    def partial(self) -> "Table":
+        """Return the table with its missing values, which are NaN, declared: the column ``missing`` counts those of each row.
+
+        Raises
+        ------
+        InputError
+            If ``time`` or ``segment`` lacks a value, or a value is infinite.
+        """
+        columns = {name: values for name, values in self.columns.items() if name != MISSING}
+        count = np.zeros(len(self))
+        for name, values in columns.items():
+            if np.isinf(values).any() or (name in ("time", "segment") and np.isnan(values).any()):
+                finite(values, name)
+            count += np.isnan(values)
+        return Table(columns | {MISSING: count}, self.units | {MISSING: "1"}, self.info)
+
     def __getitem__(self, name: str) -> np.ndarray:
+        values = self._column(name)
+        if MISSING in self.columns and (lacks := int(np.count_nonzero(np.isnan(values)))):
+            raise InputError(
+                f"column {name!r} has no value in {lacks} of {len(self)} rows; take whole rows of what is needed, table.whole([...]), or "
+                f"table.columns[{name!r}], where they are NaN"
+            )
+        return values
+
+    def _column(self, name: str) -> np.ndarray:
         if name not in self.columns:
             raise InputError(f"no column {name!r}; the table has {list(self.columns)}")
         return self.columns[name]
@@ -187,34 +254,16 @@ class Table:
         return (
             self.names == other.names
             and all(self.unit(name) == other.unit(name) for name in self)
-            and all(np.array_equal(self[name], other[name], equal_nan=True) for name in self)
+            and all(np.array_equal(self.columns[name], other.columns[name], equal_nan=True) for name in self)
         )
 
     __hash__ = None  # type: ignore[assignment]  # columns are arrays, which can change
 
     def __repr__(self) -> str:
-        heads = [_head(name, self.unit(name)) for name in self.names[:_SHOWN_COLUMNS]]
-        width = max(map(len, heads), default=0)
-        lines = [f"Table of {len(self)} rows and {len(self.columns)} columns"]
-        for head, values in zip(heads, self.columns.values(), strict=False):
-            ends = f"{values[0]:.6g} ... {values[-1]:.6g}" if len(values) > 1 else ", ".join(f"{v:.6g}" for v in values)
-            lines.append(f"  {head.ljust(width)}  {ends}".rstrip())
-        rest = len(self.columns) - len(heads)
-        return "\n".join([*lines, *([f"  and {rest} more"] if rest else [])])
+        return columns_text(self.columns, self.units)
 
     def _repr_html_(self) -> str:
-        """Show the rows at both ends under names and units: what a notebook displays."""
-        names, n = self.names[:_SHOWN_COLUMNS], len(self)
-        at = range(n) if n <= 2 * _SHOWN_ROWS else [*range(_SHOWN_ROWS), *range(n - _SHOWN_ROWS, n)]
-        rows = [[str(row), *(f"{self[name][row]:.6g}" for name in names)] for row in at]
-        if n > len(rows):
-            rows.insert(_SHOWN_ROWS, ["..."] * (1 + len(names)))
-        more = ", the first shown" if len(names) < len(self.columns) else ""
-        return html.table(
-            f"{n} rows, {len(self.columns)} columns{more}",
-            ["row", *(_head(name, self.unit(name)) for name in names)],
-            rows,
-        )
+        return columns_html(self.columns, self.units)
 
 
 def write_table(table: Table, path: str | Path) -> None:
@@ -226,7 +275,7 @@ def write_table(table: Table, path: str | Path) -> None:
         If the ending is neither, or the place cannot be written.
     """
     with table_writer(path, {name: table.unit(name) for name in table.names}, table.info) as write:
-        write([table[name] for name in table.names])
+        write(list(table.columns.values()))
 
 
 @contextmanager
@@ -240,6 +289,7 @@ def table_writer(
     path : str or Path
         As for `write_table`.
     units : mapping from name to unit, of the columns
+        With one that is called ``missing``, NaN is written as no value.
     info : mapping, optional
     """
     ending = table_ending(path)
@@ -247,72 +297,68 @@ def table_writer(
         raise InputError(f"{path}: the table has no columns to write")
     for name, unit in units.items():
         checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
-        if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
+        if ending == ".csv" and name_and_unit(head(name, unit)) != (name, unit):
             raise InputError(f"column {name!r} [{unit}] would be misread from CSV: rename it, or write .parquet")
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
-                file.write(",".join(_quoted(_head(name, unit)) for name, unit in units.items()) + "\n")
-                yield lambda columns: np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
+                file.write(",".join(quoted(head(name, unit)) for name, unit in units.items()) + "\n")
+                yield lambda columns: write_rows(file, columns, empty=MISSING in units)
         else:
             import pyarrow.parquet as pq
 
-            schema = _schema(units, info or {})
+            schema = arrow_schema(units, info or {})
             with pq.ParquetWriter(temporary, schema, use_dictionary=False) as file:  # hardly a number comes twice
-                yield lambda columns: file.write_table(arrow_floats(columns, schema))
+                yield lambda columns: file.write_table(arrow_floats(columns, schema, nulls=MISSING in units))
 
 
-def _quoted(head: str) -> str:
-    """A head of a CSV column, in quotes where it holds what parts columns and lines."""
-    return '"' + head.replace('"', '""') + '"' if set(head) & set(',"\n\r') else head
-
-
-def read_table(path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = ()) -> Table:
+def read_table(
+    path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = (), partial: bool = False
+) -> Table:
     """Read a CSV or Parquet table; only `columns` if given, and those of `optional` that it has.
+
+    Of a table that declares missing values (column ``missing``), only rows come that have a value of all columns that are read, as by
+    `Table.whole`; with `partial`, all rows come, NaN where a value is missing, and declared as by `Table.partial`.
 
     Raises
     ------
     InputError
         If the file is missing, is not a table, lacks a column, or holds something that is not a finite number
-        (named with its column and row).
+        (named with its column and row); if values are missing that are not declared, or no row has a value of all columns.
     """
     path = Path(path)
     ending = table_ending(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
-    import pyarrow as pa
-
-    try:
-        if ending == ".csv":
-            from pyarrow import csv
-
-            raw = csv.read_csv(path)
-        else:
-            import pyarrow.parquet as pq
-
-            raw = pq.read_table(path)
-        heads = [entry.name for entry in raw.schema]
-        given, info = [_unit_of(entry) for entry in raw.schema], _info_of(raw.schema)
-    except (pa.ArrowException, OSError, ValueError, RecursionError) as error:  # the latter from damaged units and info
-        why = (str(error).splitlines() or ["damaged"])[0]
-        hint = f"; {_OF_LOGS}" if ending == ".csv" else ""
-        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why}){hint}") from error
+    raw, split, info = read_file(path, ending)
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    split = list(map(_name_and_unit, heads)) if ending == ".csv" else list(zip(heads, given, strict=True))
-    _refuse_twice([name for name, _ in split], f"{path}: ")
+    refuse_twice([name for name, _ in split], f"{path}: ")
     units = dict(split)
     names = list(units)
     also = [name for name in optional if name in units and name not in (columns or ())]
-    wanted = names if columns is None else [*columns, *also]
+    wanted = [name for name in names if name != MISSING] if columns is None else [*columns, *also]
     missing = [name for name in wanted if name not in units]
     if missing:
-        hint = f"; {_OF_LOGS}" if any(mark in name for name in names for mark in ";\t") else ""
+        hint = f"; {OF_LOGS}" if any(mark in name for name in names for mark in ";\t") else ""
         raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}{hint}")
-    data = {
-        name: finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, f"{path}: ") for name in wanted
-    }
-    return Table(data, {name: units[name] for name in wanted}, info)
+    declares = MISSING in units and MISSING not in wanted
+    read = names if declares else wanted
+    found = {name: arrow_numbers(raw.column(names.index(name)), name, f"{path}: ") for name in read}
+    some = Table({name: found[name] for name in wanted}, {name: units[name] for name in wanted}, info)
+    if not declares:
+        for name, values in found.items():
+            finite(values, name, f"{path}: ")
+        return some
+    try:
+        if not np.array_equal(Table(found, {}).partial()[MISSING], found[MISSING]):
+            raise InputError(
+                f"column {MISSING!r} must count the values that the other columns lack in each row, and does not: a row or a cell was changed; "
+                "rename it if it is about something else"
+            )
+        return some.partial() if partial else some.partial().whole(wanted)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def table_ending(path: str | Path) -> str:
@@ -323,63 +369,15 @@ def table_ending(path: str | Path) -> str:
     return ending
 
 
-def _numbers(column: Any, name: str, where: str) -> np.ndarray:
-    """An Arrow array as floats; NaN where a value is missing."""
-    import pyarrow as pa
-
-    if len(column) and not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
-        shown = next((briefly(str(v)) for v in column.to_pylist() if v is not None), "no value")
-        held = f"holds {shown} ({column.type})"
-        raise InputError(f"{where}column {name!r} {held}; every value must be a number; {_OF_LOGS}")
-    try:
-        return np.array(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=np.float64)
-    except pa.ArrowInvalid as error:
-        raise InputError(f"{where}column {name!r} holds whole numbers beyond 2^53, which no float holds") from error
-
-
 def finite(values: np.ndarray, name: str, where: str = "") -> np.ndarray:
     """The values of a column, or an InputError that names the first one that is not finite."""
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise InputError(
             f"{where}column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
-            f"every value must be a finite number: drop these rows or fill them first{f'; {_OF_LOGS}' if where else ''}"
+            f"every value must be a finite number: drop these rows or fill them first{f'; {OF_LOGS}' if where else ''}"
         )
     return values
-
-
-def _refuse_twice(names: Sequence[str], where: str) -> None:
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        raise InputError(f"{where}column {twice[0]!r} appears twice; give each column its own name")
-
-
-def _schema(units: Mapping[str, str], info: Mapping[str, object]) -> "pa.Schema":
-    """Names and units as Arrow and Parquet keep them."""
-    import pyarrow as pa
-
-    fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units.items()]
-    return pa.schema(fields, metadata={_INFO_KEY: json.dumps(dict(info))})
-
-
-def _unit_of(entry: "pa.Field") -> str:
-    return str((entry.metadata or {}).get(b"unit", b"").decode())
-
-
-def _info_of(schema: "pa.Schema") -> dict[str, object]:
-    stored = (schema.metadata or {}).get(_INFO_KEY)
-    if not isinstance(found := json.loads(stored) if stored else {}, dict):
-        raise ValueError(f"what it says of itself is no object: {str(found)[:40]}")
-    return found
-
-
-def _head(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit else name
-
-
-def _name_and_unit(head: str) -> tuple[str, str]:
-    found = _HEADER.match(head)
-    return (found["name"], found["unit"] or "") if found else (head, "")
 
 
 def shown_column(table: Table, name: str, units: str = DEFAULT) -> tuple[np.ndarray, str]:

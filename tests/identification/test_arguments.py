@@ -150,3 +150,31 @@ def test_tables_that_do_not_belong_together_are_named(tmp_path):
         table_of([])
     with pytest.raises(InputError, match="column 'time' is an input: of several tables"):
         check_columns(table_of([log(), log(n=5)])[0], ["time"], ["a"])
+
+
+def test_of_declared_missing_values_come_whole_rows_or_all_of_them(tmp_path):
+    nan = np.nan
+    silent = Table(
+        {"time": np.arange(4.0), "segment": np.zeros(4), "a": np.array([1.0, nan, 3.0, 4.0]), "b": np.full(4, nan)}, {}
+    ).partial()
+    write_table(silent, tmp_path / "a.parquet")
+    for given in (silent, tmp_path / "a.parquet"):
+        table, _ = table_of(given, ["time", "a"], ["segment"])
+        assert table.names == ["time", "a", "segment"]
+        assert table["segment"].tolist() == [0.0, 1.0, 1.0]
+        every, _ = table_of(given, ["time", "a"], ["segment"], partial=True)
+        assert every["missing"].tolist() == [0.0, 1.0, 0.0, 0.0]
+        with pytest.raises(InputError, match="no row has a value of all of time, a, b; 'b' has 0 in 4 rows"):
+            table_of(given, ["time", "a", "b"])
+        with pytest.raises(InputError, match="no column 'c'"):
+            table_of(given, ["c"], partial=True)
+
+
+def test_of_several_tables_those_with_missing_values_declare_them():
+    whole = Table({"time": np.arange(3.0), "a": np.ones(3)}, {})
+    silent = Table({"time": np.arange(3.0), "a": np.array([1.0, np.nan, 2.0])}, {}).partial()
+    joined, _ = table_of([whole, silent], partial=True)
+    assert joined["missing"].tolist() == [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    rows, _ = table_of([whole, silent])
+    assert rows["a"].tolist() == [1.0, 1.0, 1.0, 1.0, 2.0]
+    assert parts_of(rows) == [3, 2]

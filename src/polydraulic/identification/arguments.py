@@ -14,7 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure.formats.campaign import expand
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.model_file import load_models
-from polydraulic.tables import Table, began, finite, read_table
+from polydraulic.tables import MISSING, Table, began, finite, read_table
 
 TIMES = ("time", "segment")  # what tells a log from any table
 _FILES = "files"  # in the info of a table: names and numbers of rows of those that it was made of
@@ -28,8 +28,12 @@ def table_of(
     given: Table | str | Path | Sequence[Table | str | Path],
     columns: Sequence[str] | None = None,
     optional: Sequence[str] = (),
+    *,
+    partial: bool = False,
 ) -> tuple[Table, str]:
     """A table or that of a file, and what it is called; only `columns` if given, and those of `optional` that it has.
+
+    Of tables that declare missing values, rows with a value of all these columns; with `partial`, all rows, as by `read_table`.
 
     Several tables, or files that match a pattern such as ``day*.parquet``, become one: those with dates in the order of these, all
     others as they are given. Times rise through all of them, a minute apart where they restart, and ``segment`` is counted on.
@@ -55,8 +59,8 @@ def table_of(
     if not found:
         raise InputError("no table is given")
     if len(found) == 1:
-        return _one(found[0], columns, optional)
-    named = [_one(part, columns, optional) for part in found]
+        return _one(found[0], columns, optional, partial)
+    named = [_one(part, columns, optional, partial) for part in found]
     if len({name for _, name in named}) < len(named):  # of several folders, or in memory
         named = [(table, f"{name} ({number})") for number, (table, name) in enumerate(named, 1)]
     return _joined(named)
@@ -102,15 +106,22 @@ def times_of_parts(table: Table) -> tuple[PartTimes, ...]:
     return tuple(PartTimes(*part) for part in zip(names, begins, map(float, shifts), strict=True))
 
 
-def _one(given: Table | str | Path, columns: Sequence[str] | None, optional: Sequence[str]) -> tuple[Table, str]:
+def _one(
+    given: Table | str | Path, columns: Sequence[str] | None, optional: Sequence[str], partial: bool
+) -> tuple[Table, str]:
     if not isinstance(given, Table):
-        return read_table(given, columns, optional=optional), Path(given).name
-    wanted = (
-        given.names if columns is None else [*columns, *(n for n in optional if n in given.names and n not in columns)]
-    )
-    table = Table({name: given[name] for name in wanted}, {name: given.unit(name) for name in wanted}, given.info)
-    if not len(table):
+        return read_table(given, columns, optional=optional, partial=partial), Path(given).name
+    names = [name for name in given.names if name != MISSING]
+    wanted = names if columns is None else [*columns, *(n for n in optional if n in names and n not in columns)]
+    if not len(given):
         raise InputError("the table has no rows")
+    if MISSING in given and partial:
+        absent = [name for name in wanted if name not in names]
+        if absent:
+            raise InputError(f"no column {absent[0]!r}; the table has {names}")
+        some = Table({n: given.columns[n] for n in wanted}, {n: given.unit(n) for n in wanted}, given.info)
+        return some.partial(), "table"
+    table = given.whole(wanted)
     for name in wanted:
         finite(table[name], name)
     return table, "table"
@@ -120,7 +131,7 @@ def _joined(named: list[tuple[Table, str]]) -> tuple[Table, str]:
     first, name_of_first = named[0]
     for table, name in named[1:]:
         for one, other, has in ((first, table, name), (table, first, name_of_first)):
-            missing = [column for column in one.names if column not in other.names and column != "segment"]
+            missing = [column for column in one.names if column not in (*other.names, "segment", MISSING)]
             if missing:
                 where = name_of_first if one is first else name
                 raise InputError(
@@ -137,19 +148,22 @@ def _joined(named: list[tuple[Table, str]]) -> tuple[Table, str]:
         if twin is not None:
             raise InputError(f"{name} has the same rows as {twin}; give each table once")
     named, times = _in_order(named)
-    columns = {c: np.concatenate([table[c] for table, _ in named]) for c in first.names if c not in TIMES}
+    names = [c for c in first.names if c not in (*TIMES, MISSING)]
+    columns = {c: np.concatenate([table.columns[c] for table, _ in named]) for c in names}
     if times:
         columns["time"] = np.concatenate(times)
     columns["segment"] = np.concatenate(_segments([table for table, _ in named]))
     unit_of = first.units | {"segment": "1"}
-    names = [name for _, name in named]
+    called = [name for _, name in named]
     info = {**named[0][0].info, _FILES: [[name, len(table)] for table, name in named]}
     if times:
         info[_SHIFTS] = [float(time[0] - table["time"][0]) for time, (table, _) in zip(times, named, strict=True)]
     if not all(began(table) for table, _ in named):  # times are not counted from one date
         info.pop("began", None)
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return Table(columns, {c: unit_of.get(c, "") for c in columns}, info), ", ".join(names[:_NAMED]) + more
+    more = f" and {len(called) - _NAMED} more" if len(called) > _NAMED else ""
+    joined = Table(columns, {c: unit_of.get(c, "") for c in columns}, info)
+    declared = joined.partial() if any(MISSING in table for table, _ in named) else joined
+    return declared, ", ".join(called[:_NAMED]) + more
 
 
 def _in_order(named: list[tuple[Table, str]]) -> tuple[list[tuple[Table, str]], list[np.ndarray]]:

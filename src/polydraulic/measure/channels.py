@@ -17,7 +17,7 @@ from polydraulic.units import Conversion, unit_kind
 
 ROLES = ("input", "output", "time", "ignore")
 BETWEEN = ("linear", "hold")
-RESERVED = ("time", "segment")  # columns that every imported table has
+RESERVED = ("time", "segment", "missing")  # columns that imported tables have
 SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
 FARTHEST = 1e100  # of ranges: differences and squares are numbers
 THINNEST, DENSEST = 0.3e5, 1.2e5  # Pa, of atmospheres: from the highest mountain to the deepest mine
