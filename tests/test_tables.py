@@ -366,7 +366,7 @@ def test_a_column_that_lacks_values_is_not_given_silently():
     assert "nan" in repr(table)
     assert "nan" in table._repr_html_()
     silent = Table.from_dict({"time": [0.0, 1.0], "a": [np.nan, 1.0], "b": [1.0, np.nan]}).partial()
-    with pytest.raises(InputError, match="no row has a value of all of a, b; 'a' has 1 in 2 rows"):
+    with pytest.raises(InputError, match="no row has a value of all of a, b; 'a' has one in 1 of 2"):
         silent.whole(["a", "b"])
 
 

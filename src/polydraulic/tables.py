@@ -199,14 +199,13 @@ class Table:
         if keep.all():
             return Table({name: self._column(name) for name in names}, units, self.info)
         if not keep.any():
-            least = min(names, key=lambda name: np.count_nonzero(self.known([name])))
+            count, least = min((np.count_nonzero(self.known([name])), name) for name in names)
             raise InputError(
-                f"no row has a value of all of {', '.join(names)}; {least!r} has {np.count_nonzero(self.known([least]))} in {len(self)} rows"
+                f"no row has a value of all of {', '.join(names)}; {least!r} has one in {count} of {len(self)}"
             )
         columns = {name: self._column(name)[keep] for name in names}
         if "segment" in columns:
-            cut = (np.diff(np.flatnonzero(keep)) > 1) | (np.diff(columns["segment"]) != 0.0)
-            columns["segment"] = np.concatenate([[0.0], np.cumsum(cut)])
+            columns["segment"] = segments_of(self["segment"], keep)
         return Table(columns, units, self.info)
 
     def partial(self) -> "Table":
@@ -347,9 +346,7 @@ def read_table(
     found = {name: arrow_numbers(raw.column(names.index(name)), name, f"{path}: ") for name in read}
     some = Table({name: found[name] for name in wanted}, {name: units[name] for name in wanted}, info)
     if not declares:
-        for name, values in found.items():
-            finite(values, name, f"{path}: ")
-        return some
+        return Table({n: finite(v, n, f"{path}: ") for n, v in found.items()}, some.units, info)
     try:
         if not np.array_equal(Table(found, {}).partial()[MISSING], found[MISSING]):
             raise InputError(
@@ -390,6 +387,13 @@ def shown_table(table: Table, units: str = DEFAULT) -> Table:
     """A table with all columns as they are shown: to be read, not to compute with."""
     columns = {name: as_shown(values, table.unit(name), units) for name, values in table.columns.items()}
     return Table(columns, {name: shown_unit(table.unit(name), units) for name in table.names}, dict(table.info))
+
+
+def segments_of(segment: np.ndarray, keep: np.ndarray) -> np.ndarray:
+    """Segments of the rows that are kept, (n_kept,) of those (n_row,), counted from 0 and cut where others lie between."""
+    rows = np.flatnonzero(keep)
+    cut = (np.diff(rows) > 1) | (np.diff(segment[rows]) != 0.0)
+    return np.concatenate([[0], np.cumsum(cut)])[: len(rows)].astype(segment.dtype)
 
 
 def began(table: Table) -> float:

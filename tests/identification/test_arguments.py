@@ -164,7 +164,7 @@ def test_of_declared_missing_values_come_whole_rows_or_all_of_them(tmp_path):
         assert table["segment"].tolist() == [0.0, 1.0, 1.0]
         every, _ = table_of(given, ["time", "a"], ["segment"], partial=True)
         assert every["missing"].tolist() == [0.0, 1.0, 0.0, 0.0]
-        with pytest.raises(InputError, match="no row has a value of all of time, a, b; 'b' has 0 in 4 rows"):
+        with pytest.raises(InputError, match="no row has a value of all of time, a, b; 'b' has one in 0 of 4"):
             table_of(given, ["time", "a", "b"])
         with pytest.raises(InputError, match="no column 'c'"):
             table_of(given, ["c"], partial=True)

@@ -66,7 +66,7 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     for f in machine.functions:
         name = position_column(machine, f)
         if name in table.names:
-            far = np.maximum(table[name] - f.stops.high, f.stops.low - table[name]) > _BEYOND
+            far = np.maximum(_known(table, name) - f.stops.high, f.stops.low - _known(table, name)) > _BEYOND
             if far.mean() > 0.5:
                 unit = "m" if name.endswith(".position") else "rad"
                 stops = f"its joint's stops at {f.stops.low:.4g} and {f.stops.high:.4g} {unit}"
@@ -77,10 +77,10 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
             ("q_out", "m3/s", most_flow),
         ):
             name = f"{f.name}.{what}"
-            if name in table.names and (np.abs(table[name]) > most).mean() > _MANY:
+            if name in table.names and (np.abs(_known(table, name)) > most).mean() > _MANY:
                 raise _not_si(table, name, f"no more than {most:.4g} {unit} can be: it must be in {unit}")
         name, full = f"{f.name}.voltage", f.valve.knots[-1] / f.pilot.gain
-        if name in table.names and (np.abs(table[name]) > _LEVERS * full).mean() > _MANY:
+        if name in table.names and (np.abs(_known(table, name)) > _LEVERS * full).mean() > _MANY:
             raise _not_si(
                 table,
                 name,
@@ -88,7 +88,7 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
             )
     check_pressures(table, machine.names)
     for name in (f"{circuit.name}.p_pump" for circuit in machine.circuits):
-        if name in table.names and 0.0 < table[name].max() < _LEAST_PRESSURE:
+        if name in table.names and 0.0 < _known(table, name).max() < _LEAST_PRESSURE:
             raise _not_si(table, name, "and a pump that feeds valves has more than 1 bar: it must be in Pa")
 
 
@@ -98,7 +98,7 @@ def check_pressures(table: Table, functions: Collection[str]) -> None:
     None of the log comes to one bar, or a single one that varies not to a tenth of it, or many rows are beyond what any hydraulics stands.
     """
     ports = [f"{function}.{port}" for function in functions for port in ("p_a", "p_b")]
-    highest = {name: float(table[name].max()) for name in ports if name in table.names}
+    highest = {name: float(_known(table, name).max()) for name in ports if name in table.names}
     most = max(highest.values(), default=0.0)
     if 0.0 < most < _LEAST_PRESSURE:
         raise InputError(
@@ -106,17 +106,22 @@ def check_pressures(table: Table, functions: Collection[str]) -> None:
             "must be in Pa; import the log with the sensors' unit"
         )
     for name, largest in highest.items():
-        if (table[name] > _MOST_PRESSURE).mean() > _MANY:
+        if (_known(table, name) > _MOST_PRESSURE).mean() > _MANY:
             raise _not_si(table, name, f"no more than {amount(_MOST_PRESSURE, 'Pa')} can be: it must be in Pa")
-        if 0.0 < largest < _LEAST_OF_ONE and np.ptp(table[name]) > 0.0:
+        if 0.0 < largest < _LEAST_OF_ONE and np.ptp(_known(table, name)) > 0.0:
             raise InputError(
                 f"column {name!r} comes to {largest:.4g} Pa at most, others to {amount(most, 'Pa')}: it must be in Pa; import the log with that "
                 "sensor's unit, or leave the column out if the sensor is dead"
             )
 
 
+def _known(table: Table, name: str) -> np.ndarray:
+    """What values a column has; it may lack some."""
+    return table.whole([name])[name]
+
+
 def _not_si(table: Table, name: str, why: str) -> InputError:
-    values = table[name]
+    values = _known(table, name)
     return InputError(
         f"column {name!r} lies between {values.min():.4g} and {values.max():.4g}, {why}; import the log with the sensor's unit"
     )

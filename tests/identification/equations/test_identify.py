@@ -157,6 +157,40 @@ def test_sensors_that_are_missing_are_named(true, log):
     assert "through simulation: kept; the log has no swing.angle" in found.kept
 
 
+def silent_at_times(log, share, seed=1):
+    """Each sensor silent for half a second at a time, all at times of their own; levers are known."""
+    rng, lost, columns = np.random.default_rng(seed), 25, dict(log.columns)
+    for name in columns:
+        if not name.endswith(("time", "segment", ".voltage")):
+            begins = rng.random(len(log)) < -np.log(1.0 - share) / lost
+            silent = np.convolve(begins, np.ones(lost))[: len(log)] > 0.0
+            columns[name] = np.where(silent, np.nan, columns[name])
+    return Table(columns, log.units).partial()
+
+
+def test_what_does_not_need_a_silent_sensor_is_identified_from_its_own_rows(true, log):
+    silent = silent_at_times(log, 0.15)
+    whole = silent.whole([name for name in silent.names if name != "missing"])
+    assert len(whole) < 0.1 * len(log)
+    with pytest.raises(InputError, match=f"determines nothing of this machine: it has {len(whole)} rows"):
+        identify(whole, rough(true), free=["functions.*.pilot.gain"])
+    part = identify(silent, rough(true), free=["functions.*.pilot.*", *BOOM])
+    assert set(part.pilots) == set(true.names)
+    for name, found in part.pilots.items():
+        error = found.pilot.gain / true.function(name).pilot.gain - 1.0
+        assert abs(error) < 3.0 * found.errors.gain / found.pilot.gain + 1e-3
+    assert part.machine.circuit("boom").pump.flow == pytest.approx(true.circuit("boom").pump.flow, rel=5e-3)
+    assert not any("pilot" in line or "circuits.boom:" in line for line in part.kept)
+
+
+def test_a_sensor_without_any_value_is_as_if_it_were_not_there(true, log):
+    columns = dict(log.columns) | {"boom.q_in": np.full(len(log), np.nan)}
+    part = identify(Table(columns, log.units).partial(), rough(true), free=["functions.*.pilot.gain", *BOOM])
+    assert "boom.q_in: has no value in the whole log, and is not used" in part.kept
+    other = identify(without(log, "boom.q_in"), rough(true), free=["functions.*.pilot.gain", *BOOM])
+    assert part.changes == other.changes
+
+
 def test_a_voltage_of_the_wrong_sign_is_named_and_changes_nothing(true, log):
     turned = Table({**log.columns, "boom.voltage": -log["boom.voltage"]}, log.units)
     found = identify(turned, rough(true), free=["functions.*.pilot.*"])

@@ -25,13 +25,35 @@ def test_blocks_of_time_are_twenty_or_last_half_a_minute(seconds, last, length):
     assert blocks_of_time(np.zeros(3)).tolist() == [0, 0, 0]
 
 
+def test_flows_of_silent_sensors_are_not_known():
+    machine = load_machine("cat215b")
+    run = simulate(load_machine("cat215b"), "exact", random_operator(5, 10.0), raster=0.02)
+    names = [f"{f}.{what}" for f in machine.names for what in ("spool", "p_a", "p_b", "q_in", "q_out", "angle")]
+    columns = {"time": run["time"], **{name: run[name].copy() for name in names}}
+    columns["boom.q_in"][100:200] = np.nan
+    columns["boom.angle"][300:400] = np.nan
+    log, segment = Table(columns, {}).partial(), np.zeros(len(run), dtype=np.int64)
+    signals = {f.name: read_function(machine, f, log, segment, 0.02, False) for f in machine.functions}
+    boom = balances(machine, machine.names, signals, segment, 0.02)["boom"]
+    assert np.flatnonzero(~boom.known_in).tolist() == list(range(100, 200))
+    assert boom.known_out.all()
+    assert np.all(boom.q_in[100:200] == 0.0)
+    without = {name: s._replace(q_in=None) for name, s in signals.items()}
+    windows = balances(machine, machine.names, without, segment, 0.02)["boom"]
+    over = ((windows.rows[:, 0] >= 300) & (windows.rows[:, 0] < 400)) | (
+        (windows.rows[:, -1] >= 300) & (windows.rows[:, -1] < 400)
+    )
+    assert not windows.known_in[over].any()
+    assert np.isfinite(windows.q_in).all()
+
+
 def test_balanced_flows_are_those_that_were_simulated():
     machine = load_machine("cat215b")
     run = simulate(load_machine("cat215b"), "exact", random_operator(5, 40.0), raster=0.02)
     names = [f"{f}.{what}" for f in machine.names for what in ("spool", "p_a", "p_b", "angle")]
     log = Table({"time": run["time"], **{name: run[name] for name in names}}, {})
     segment = np.zeros(len(log), dtype=np.int64)
-    signals = {f.name: read_function(machine, f, log, segment, False) for f in machine.functions}
+    signals = {f.name: read_function(machine, f, log, segment, 0.02, False) for f in machine.functions}
     for name, of in balances(machine, machine.names, signals, segment, 0.02).items():
         flows = [run[f"{name}.{port}"][of.rows] @ mean_weights(of.rows.shape[1]) for port in ("q_in", "q_out")]
         for known, ours, exact in zip((of.known_in, of.known_out), (of.q_in, of.q_out), flows, strict=True):

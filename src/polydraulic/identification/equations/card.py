@@ -100,7 +100,7 @@ def _curves_svg(found: Identification, circuit: str, function: str, units: str) 
     figure = Figure(figsize=(11.0, 4.2), layout="constrained")
     axes = figure.subplots(2, 4, sharex=True, height_ratios=[3.0, 1.0], squeeze=False)
     x = as_shown(np.array(v.curves.knots), "m", units)
-    spool = np.abs(found.table[f"{function}.spool"])
+    spool = np.abs(found.table.whole([f"{function}.spool"])[f"{function}.spool"])
     for place, key in enumerate(("inlet", "bypass", "outlet_positive", "outlet_negative")):
         axis, below = axes[0, place], axes[1, place]
         scale = as_shown(_DROP**0.5, "m3/s", units)

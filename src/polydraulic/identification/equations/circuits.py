@@ -23,7 +23,6 @@ from polydraulic.identification.equations.fit.relief import seen_relief
 from polydraulic.identification.equations.fit.uncertainty import CircuitErrors, circuit_errors
 from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
 from polydraulic.identification.equations.observations import WINDOW, Balance, balance, blocks_of_time, windows
-from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.sensors import Signals
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import spool_edges
@@ -108,8 +107,6 @@ def circuit_rows(
     signals: dict[str, Signals],
     of: dict[str, Balance],
     time: np.ndarray,
-    segment: np.ndarray,
-    raster: float,
 ) -> CircuitRows:
     """What a circuit is fitted to."""
     rows = of[names[0]].rows
@@ -119,10 +116,12 @@ def circuit_rows(
         assert s.spool is not None
         assert s.p_a is not None
         assert s.p_b is not None
+        assert s.rate_a is not None
+        assert s.rate_b is not None
         travel[:, :, k] = np.abs(s.spool)[rows]
         forward = s.spool > 0.0
         p_in[:, :, k] = np.where(forward, s.p_a, s.p_b)[rows]
-        p_rate[:, :, k] = np.where(forward, *port_rates(s, segment, raster))[rows]
+        p_rate[:, :, k] = np.where(forward, s.rate_a, s.rate_b)[rows]
     one_side = np.column_stack([of[name].known_in for name in names])
     noise = {what: np.array([signals[name].noise[what] for name in names]) for what in ("spool", "p_a")}
     return CircuitRows(
@@ -137,13 +136,6 @@ def circuit_rows(
         np.array([of[name].noise_in for name in names]),
         np.array([signals[name].scale for name in names]),
     )
-
-
-def port_rates(s: Signals, segment: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]:
-    """How fast the pressures at both ports change, (n_row,) each in Pa/s."""
-    assert s.p_a is not None
-    assert s.p_b is not None
-    return local_parabolas(s.p_a, segment)[1] / raster, local_parabolas(s.p_b, segment)[1] / raster
 
 
 def identify_circuit(
@@ -164,6 +156,7 @@ def identify_circuit(
         As far as it is known.
     circuit : SupplyCircuit
     signals : dict from function to Signals
+        In rows in which spools and pressures of all functions have a value.
     time, segment : (n_row,) array
     raster : float, s
     free_pump : dict
@@ -173,7 +166,7 @@ def identify_circuit(
     """
     names = circuit.functions
     of = balances(machine, names, signals, segment, raster)
-    rows = circuit_rows(names, signals, of, time, segment, raster)
+    rows = circuit_rows(names, signals, of, time)
     valves = [machine.function(name).valve for name in names]
     last = [float(np.sort(rows.travel[:, :, k].max(axis=1))[-LAST_ROWS]) for k in range(len(names))]
     last = [min(x, v.knots[-1]) for x, v in zip(last, valves, strict=True)]
@@ -228,7 +221,7 @@ def identify_circuit(
         tell(f"{name}: outlets")
         found[name] = _valve(
             machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k],
-            port_rates(signals[name], segment, raster), most,
+            most,
         )  # fmt: skip
     pump = {key: (float(getattr(model.pump, key)), error) for key, error in spread.pump.items() if key != "lead"}
     if relief is not None:
@@ -286,7 +279,7 @@ def _rising_from_zero(valve: ValveCurves, key: str, knots: np.ndarray) -> np.nda
 
 def _valve(
     machine: LayoutMachine, name: str, curves: Curves, errors: dict[str, np.ndarray], s: Signals, b: Balance, rows: CircuitRows, k: int, last: float,
-    q_in_left: float, rates: tuple[np.ndarray, np.ndarray], most: int,
+    q_in_left: float, most: int,
 ) -> ValveFound:  # fmt: skip
     old = machine.function(name).valve
     block = np.zeros(int(b.rows.max()) + 1, dtype=np.int64)
@@ -294,9 +287,7 @@ def _valve(
     opens = spool_edges(old)[0]
     # windows blur where a curve bends, and by how much clocks are apart
     measured = b.rows.shape[1] == 1
-    if not measured:
-        rates = (0.0 * rates[0], 0.0 * rates[1])
-    sides = [outlet_rows(s, b, block, forward, opens, rates) for forward in (True, False)]
+    sides = [outlet_rows(s, b, block, forward, opens, rates=measured) for forward in (True, False)]
     sides = [side._replace(travel=np.minimum(side.travel, last)) for side in sides]
     fitted = [len(side.q_out) >= _FEWEST // (1 if measured else 10) for side in sides]
     before = {key: _rising_from_zero(old, key, curves.knots) for key in ("outlet_positive", "outlet_negative")}

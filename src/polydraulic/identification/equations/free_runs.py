@@ -43,12 +43,15 @@ def free_runs(found: Identification, *, progress: Progress = quiet) -> tuple[lis
     missing = [name for name in driven(found.machine) if name not in found.table.names]
     if missing:
         return [], f"not run against the log: it has no {missing[0]}"
-    time = found.table["time"]
+    if not found.table.known(driven(found.machine)).any():
+        return [], "not run against the log: it has no row in which all sensors read something"
+    log = found.table.whole(["time", *driven(found.machine)])
+    time = log["time"]
     rows = time >= time[0] + (1.0 - _LAST) * (time[-1] - time[0])
     runs = []
     for number, seconds in enumerate(LENGTHS):
         progress(f"run against the log, {seconds:g} s", number, len(LENGTHS))
-        pair = [replayed(m, "exact", found.table, seconds=seconds, rows=rows) for m in (found.before, found.machine)]
+        pair = [replayed(m, "exact", log, seconds=seconds, rows=rows) for m in (found.before, found.machine)]
         if pair[0]:
             runs.append(FreeRun(seconds, len(pair[0]), drifts(found.before, pair[0]), drifts(found.machine, pair[1])))
     return runs, "" if runs else "not run against the log: no piece without a gap is long enough"

@@ -5,7 +5,7 @@ positions, what is left through simulation. All else keeps its value and is name
 """
 
 import hashlib
-from collections.abc import Container, Sequence
+from collections.abc import Collection, Container, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,7 +37,7 @@ from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_machine, machine_path
 from polydraulic.progress import Progress, quiet
-from polydraulic.tables import Table
+from polydraulic.tables import MISSING, Table
 
 _RUN_STEPS = 25  # of a progress bar, for simulation
 
@@ -132,7 +132,8 @@ def identify(
     ----------
     log : Table, str, Path or sequence of them
         Or its file, an imported log in SI: ``time``, and of each function what there is of ``NAME.spool``, ``NAME.p_a``, ``NAME.p_b``,
-        ``NAME.q_in``, ``NAME.q_out``, ``NAME.voltage``, ``NAME.angle`` (``NAME.position`` of a joint that slides). A circuit needs spool and both
+        ``NAME.q_in``, ``NAME.q_out``, ``NAME.voltage``, ``NAME.angle`` (``NAME.position`` of a joint that slides). Of a log that declares missing
+        values, each pilot, circuit and way takes the rows that have what it needs. A circuit needs spool and both
         pressures of all its functions, and flows or joints; without flow sensors, flows are balanced over windows by what joints
         displace and pressures compress.
     machine : LayoutMachine, str or Path
@@ -159,15 +160,19 @@ def identify(
         data = machine_data(before)
     may = freedom(before, data, free)
     table, source = table_of(
-        log, ["time"], ["segment", *(f"{name}.voltage" for name in before.names), *run_sensors(before)]
+        log,
+        ["time"],
+        ["segment", *(f"{name}.voltage" for name in before.names), *run_sensors(before)],
+        partial=True,
     )
+    dead = [name for name in table.names if not table.known([name]).any()]
+    table = _without(table, dead)
     check_units(table)
     check_plausible(before, table)
     segment = _segments(table, source)
     raster = raster_within(table["time"], segment)
     against = against_spools(before, table, segment)
-    unused = {f"{name}.voltage" for name in against}
-    table = Table({name: v for name, v in table.columns.items() if name not in unused}, table.units, table.info)
+    table = _without(table, [f"{name}.voltage" for name in against])
     simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
     steps = len(before.functions) + 2 * len(before.circuits) + 1 + simulated
     with one_blas_thread():  # matrices are narrow: threads would cost more than they do
@@ -175,9 +180,10 @@ def identify(
         for number, f in enumerate(before.functions):
             progress(f"{f.name}: sensors and pilot", number, steps)
             signals[f.name] = read_function(
-                before, f, table, segment, may.has(f"functions.{f.name}.pilot.time_constant")
+                before, f, table, segment, raster, may.has(f"functions.{f.name}.pilot.time_constant")
             )
         so_far = SoFar(before, may, f"identified from {source}")
+        so_far.kept += [f"{name}: has no value in the whole log, and is not used" for name in dead]
         so_far.kept += [
             f"{name}.voltage and {name}.spool move against each other, so that one of them has the wrong sign: the voltage is not used; turn the "
             "wrong one where the log is imported"
@@ -231,6 +237,12 @@ def _taken(
     return (*found, *(e.path for e in mechanics.estimates.numbers)) if mechanics else tuple(found)
 
 
+def _without(table: Table, names: Collection[str]) -> Table:
+    """A table without some columns."""
+    some = Table({name: v for name, v in table.columns.items() if name not in names}, table.units, table.info)
+    return some.partial() if MISSING in table else some
+
+
 def _segments(table: Table, source: str) -> np.ndarray:
     time = table["time"]
     if len(time) < LEAST_ROWS:
@@ -249,5 +261,5 @@ def _digest(table: Table, data: dict[str, Any], may: Freedom) -> str:
     digest = hashlib.sha256(repr((sorted(may.spreads.items()), data)).encode())
     for name in table.names:
         digest.update(name.encode())
-        digest.update(np.ascontiguousarray(table[name]).tobytes())
+        digest.update(np.ascontiguousarray(table.columns[name]).tobytes())
     return digest.hexdigest()

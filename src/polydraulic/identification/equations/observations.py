@@ -26,7 +26,7 @@ class Balance(NamedTuple):
     rows : (n_window, n_long) array of int
         Of the log; windows of a single row where flows are measured.
     q_in, q_out : (n_window,) array, m3/s
-        Mean flows through the valve.
+        Mean flows through the valve; 0 where they are not known.
     known_in, known_out : (n_window,) array of bool
     noise_in, noise_out : float, m3/s
     """
@@ -85,15 +85,14 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
     forward = s.spool[rows] > 0.0
     if measured:
         assert s.q_in is not None
-        nothing = np.zeros(len(rows))
-        out = nothing if s.q_out is None else s.q_out[rows[:, 0]]
-        every = np.ones(len(rows), dtype=bool)
+        flows = [np.full(len(rows), np.nan) if q is None else q[rows[:, 0]] for q in (s.q_in, s.q_out)]
+        known = [~np.isnan(q) for q in flows]
         return Balance(
             rows,
-            s.q_in[rows[:, 0]],
-            out,
-            every,
-            every & (s.q_out is not None),
+            np.where(known[0], flows[0], 0.0),
+            np.where(known[1], flows[1], 0.0),
+            known[0],
+            known[1],
             s.noise["q_in"],
             s.noise.get("q_out", np.inf),
         )
@@ -117,12 +116,14 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
         side: float(np.hypot(np.sqrt(2.0) * s.noise[f"volume_{side}"], np.sqrt(2.0) * c * s.noise[f"p_{side}"]) / time)
         for side, c in (("a", line.compliance_a), ("b", line.compliance_b))
     }
+    q_in, q_out = np.where(ahead, into_a, into_b), np.where(ahead, -into_b, -into_a)
+    known_in, known_out = ~np.isnan(q_in), ~np.isnan(q_out)
     return Balance(
         rows,
-        np.where(ahead, into_a, into_b),
-        np.where(ahead, -into_b, -into_a),
-        one_side & np.where(ahead, *shut),
-        one_side & np.where(ahead, shut[1], shut[0]),
+        np.where(known_in, q_in, 0.0),
+        np.where(known_out, q_out, 0.0),
+        known_in & one_side & np.where(ahead, *shut),
+        known_out & one_side & np.where(ahead, shut[1], shut[0]),
         max(noise.values()),
         max(noise.values()),
     )

@@ -104,12 +104,14 @@ def learn_residuals(found: Identification, *, progress: Progress = quiet) -> Res
     machine, models, judged, lacks = found.machine, list[Model](), list[Residual](), list[str]()
     total = len(machine.functions)
     for circuit in machine.circuits:
-        missing = _missing(circuit, found.table)
+        read = _read_of(circuit)
+        missing = [name for name in read if name not in found.table.names]
         if missing:
-            lacks.append(f"circuits.{circuit.name}: no network of what is left; {missing}")
+            lacks.append(f"circuits.{circuit.name}: no network of what is left; the log has no {', '.join(missing)}")
             continue
-        at, off = residual_rows(machine, circuit, found.table)
-        time = found.table["time"]
+        log = found.table.whole(["time", *(name for name in found.table.names if name == "segment"), *read])
+        at, off = residual_rows(machine, circuit, log)
+        time = log["time"]
         for place, name in enumerate(circuit.functions):
             progress(f"{name}: what is left", len(judged), total)
             rows = np.flatnonzero(np.isfinite(off[:, place]))
@@ -162,10 +164,9 @@ def _jumps(log: Table) -> np.ndarray:
     return np.asarray((np.abs(step - np.median(step)) > 0.05 * np.median(step)) | own)
 
 
-def _missing(circuit: SupplyCircuit, log: Table) -> str:
-    wanted = [f"{name}.{what}" for name in circuit.functions for what in ("voltage", "spool", "p_a", "p_b", "q_in")]
-    lacks = [name for name in wanted if name not in log.names]
-    return f"the log has no {', '.join(lacks)}" if lacks else ""
+def _read_of(circuit: SupplyCircuit) -> list[str]:
+    """Columns of a log that flows of a circuit are compared in."""
+    return [f"{name}.{what}" for name in circuit.functions for what in ("voltage", "spool", "p_a", "p_b", "q_in")]
 
 
 def _learnt(

@@ -12,17 +12,19 @@ from polydraulic.identification.plausible import position_column
 from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.tables import Table
+from polydraulic.tables import Table, segments_of
 
 
 class Signals(NamedTuple):
-    """What sensors read of a function; None where there is no sensor.
+    """What sensors read of a function; None where there is no sensor, NaN in rows in which it is silent.
 
     Attributes
     ----------
     spool : (n_row,) array, m
         From the sensor, and from the pilot where its voltage is known.
     p_a, p_b : (n_row,) array, Pa
+    rate_a, rate_b : (n_row,) array, Pa/s
+        How fast these change.
     q_in, q_out : (n_row,) array, m3/s
     volume_a, volume_b : (n_row,) array, m3
         That the joint's position gives the two sides of the actuator.
@@ -36,6 +38,8 @@ class Signals(NamedTuple):
     spool: np.ndarray | None
     p_a: np.ndarray | None
     p_b: np.ndarray | None
+    rate_a: np.ndarray | None
+    rate_b: np.ndarray | None
     q_in: np.ndarray | None
     q_out: np.ndarray | None
     volume_a: np.ndarray | None
@@ -44,9 +48,14 @@ class Signals(NamedTuple):
     pilot: PilotFit | None
     scale: float = 0.0
 
+    def at(self, rows: np.ndarray) -> "Signals":
+        """Those rows, an array of bool."""
+        found = self._asdict()
+        return self._replace(**{name: v[rows] for name, v in found.items() if isinstance(v, np.ndarray)})
+
 
 def read_function(
-    machine: LayoutMachine, f: MachineFunction, table: Table, segment: np.ndarray, fits_pilot: bool
+    machine: LayoutMachine, f: MachineFunction, table: Table, segment: np.ndarray, raster: float, fits_pilot: bool
 ) -> Signals:
     """Signals of a function.
 
@@ -55,59 +64,83 @@ def read_function(
     machine : LayoutMachine
     f : MachineFunction
     table : Table
-        The log, in SI.
+        The log, in SI; it may declare missing values. What goes over several rows is made of each channel's own pieces.
     segment : (n_row,) array
+    raster : float, s
     fits_pilot : bool
         Whether the pilot is to be found from the log; otherwise it is that of the machine.
     """
-
-    def column(what: str) -> np.ndarray | None:
-        name = f"{f.name}.{what}"
-        return table[name] if name in table.names else None
-
-    found = {what: column(what) for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
-    noise = {what: noise_level(values, segment) for what, values in found.items() if values is not None}
+    time, of = table["time"], f.name
+    found = {what: table.columns.get(f"{of}.{what}") for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
+    noise = {}
+    for what, values in found.items():
+        if values is not None:
+            known = ~np.isnan(values)
+            noise[what] = noise_level(values[known], segments_of(segment, known))
     spool, voltage, pilot, scale = found["spool"], found["voltage"], None, 0.0
     travel = f.valve.knots[-1]
     if spool is not None and voltage is not None:
-        pilot = fit_pilot(table["time"], segment, voltage, spool, travel, f.pilot)
+        both = table.known([f"{of}.voltage", f"{of}.spool"])
+        rows = time[both], segments_of(segment, both), voltage[both], spool[both]
+        pilot = fit_pilot(*rows, travel, f.pilot) if _follow(rows[1]) else None
         if pilot is not None:
             own = pilot.pilot if fits_pilot else f.pilot
             scale = pilot.errors.gain / own.gain if fits_pilot else 0.0
-            spool, noise["spool"] = smooth_spool(own, travel, table["time"], segment, voltage, spool, noise["spool"])
+            smooth, noise["spool"] = smooth_spool(own, travel, *rows, noise["spool"])
+            spool = _at_rows(both, smooth)
     place = position_column(machine, f)
     volume_a = volume_b = None
     if place in table.names:
-        position = local_parabolas(table[place], segment)[0]
-        noise["position"] = noise_level(position, segment)
-        volume_a, volume_b = side_volumes(machine, f, position)
+        known = table.known([place])
+        measured, pieces = table.columns[place][known], segments_of(segment, known)
+        position = local_parabolas(measured, pieces)[0]
+        noise["position"] = noise_level(position, pieces)
+        volume_a, volume_b = (_at_rows(known, side) for side in side_volumes(machine, f, position))
         middle = levers(machine, f, position)
         noise["volume_a"], noise["volume_b"] = (
-            noise_level(table[place], segment) / np.sqrt(0.5 * SMOOTHED) * float(np.mean(side)) for side in middle
+            noise_level(measured, pieces) / np.sqrt(0.5 * SMOOTHED) * float(np.mean(side)) for side in middle
         )
-    p_a, p_b = found["p_a"], found["p_b"]
+    p_a, p_b = (None if p is None else np.maximum(p, 0.0) for p in (found["p_a"], found["p_b"]))
+    rate_a, rate_b = (None if p is None else _rate(p, segment, raster) for p in (p_a, p_b))
     return Signals(
-        spool,
-        None if p_a is None else np.maximum(p_a, 0.0),
-        None if p_b is None else np.maximum(p_b, 0.0),
-        found["q_in"],
-        found["q_out"],
-        volume_a,
-        volume_b,
-        noise,
-        pilot,
-        scale,
-    )
+        spool, p_a, p_b, rate_a, rate_b, found["q_in"], found["q_out"], volume_a, volume_b, noise, pilot, scale
+    )  # fmt: skip
+
+
+def _follow(segment: np.ndarray) -> bool:
+    """Whether any row follows another one."""
+    return bool((np.diff(segment) == 0).any())
+
+
+def _rate(values: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:
+    """How fast a signal changes, from its own pieces."""
+    known = ~np.isnan(values)
+    return _at_rows(known, local_parabolas(values[known], segments_of(segment, known))[1] / raster)
+
+
+def _at_rows(rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values at those rows, an array of bool, and NaN at others."""
+    found = np.full(len(rows), np.nan)
+    found[rows] = values
+    return found
 
 
 def against_spools(machine: LayoutMachine, table: Table, segment: np.ndarray) -> list[str]:
     """Functions whose spool follows the voltage of the other sign: what such a voltage drives goes the wrong way."""
-    return [
-        f.name
-        for f in machine.functions
-        if {voltage := f"{f.name}.voltage", spool := f"{f.name}.spool"} <= set(table.names)
-        and moves_against(table["time"], segment, table[voltage], table[spool], f.valve.knots[-1], f.pilot)
-    ]
+    found = []
+    for f in machine.functions:
+        voltage, spool = f"{f.name}.voltage", f"{f.name}.spool"
+        if {voltage, spool} <= set(table.names):
+            both = table.known([voltage, spool])
+            rows = (
+                table["time"][both],
+                segments_of(segment, both),
+                table.columns[voltage][both],
+                table.columns[spool][both],
+            )
+            if _follow(rows[1]) and moves_against(*rows, f.valve.knots[-1], f.pilot):
+                found.append(f.name)
+    return found
 
 
 def missing_for_circuit(machine: LayoutMachine, functions: tuple[str, ...], signals: dict[str, Signals]) -> str:

@@ -49,17 +49,16 @@ def sensor_readings(machine: LayoutMachine, conditions: Conditions) -> dict[str,
 
 
 def log_of_readings(read: dict[str, np.ndarray]) -> Table:
-    """As a log to identify from; rows in which a sensor is silent are gone."""
-    heard = np.all(np.isfinite(np.column_stack(list(read.values()))), axis=1)
-    return Table({name: values[heard] for name, values in read.items()}, {})
+    """As a log to identify from, which declares where a sensor is silent."""
+    return Table(read, {}).partial()
 
 
 def rows_for_networks(machine: LayoutMachine, read: dict[str, np.ndarray]) -> Table:
-    """As rows to learn networks from, by port; flows from joint angles where flows are not measured."""
+    """As rows to learn networks from, in which all sensors read something, by port; flows from joint angles where flows are not measured."""
     if not any(name.endswith(".q_in") for name in read):
         for link in LINKS:
             read = read | _flows(machine, link, read)
-    return by_port(Known.of(machine), log_of_readings(read))
+    return by_port(Known.of(machine), log_of_readings(read).whole(list(read)))
 
 
 def _flows(machine: LayoutMachine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -89,4 +88,5 @@ def _outlet_flow(machine: LayoutMachine, link: str, read: dict[str, np.ndarray])
     if isinstance(drive, Motor):
         return read[f"{link}.q_in"]
     ratio = drive.area_b / drive.area_a
-    return read[f"{link}.q_in"] * np.where(read[f"{link}.spool"] > 0.0, ratio, 1.0 / ratio)
+    spool = read[f"{link}.spool"]
+    return np.where(np.isnan(spool), np.nan, read[f"{link}.q_in"] * np.where(spool > 0.0, ratio, 1.0 / ratio))

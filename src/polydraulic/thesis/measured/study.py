@@ -22,6 +22,7 @@ from polydraulic.parameters.scenario import load_scenario, random_operator
 from polydraulic.simulation.layout.flow_points import sample_flow
 from polydraulic.simulation.runs import simulate
 from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.tables import MISSING
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.excavator import LINKS
 from polydraulic.thesis.measured.conditions import Conditions, conditions_in_words, machine_under
@@ -102,7 +103,7 @@ def _made(machine: LayoutMachine, conditions: Conditions) -> list[Any]:
         models = [model for (model,) in learn([(task,) for task in tasks])]
         learnt.append((true, build_flow("polynomial", true, models=models)))
     identified, *networks = (list(reached) for reached in reached_by(true, learnt))
-    return [len(log), networks[0] if networks else None, identified]
+    return [int(np.count_nonzero(log[MISSING] == 0.0)), networks[0] if networks else None, identified]
 
 
 def _name(conditions: Conditions) -> str:

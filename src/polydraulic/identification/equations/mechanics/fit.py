@@ -147,7 +147,7 @@ def fit_mechanics(
         for f in machine.names
         for name in (function_column(machine, f, "angle", "rad").name, f"{f}.p_a", f"{f}.p_b")
     ]
-    table, source = table_of(log, None)
+    table, source = table_of(log, [], ["time", "segment", *wanted])
     missing = [name for name in ["time", *wanted] if name not in table.names]
     if missing:
         raise InputError(

@@ -15,6 +15,7 @@ from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.plausible import contradictions
 from polydraulic.parameters.layout.parts import MachineFunction, Seen, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.tables import segments_of
 
 LEAST_ROWS = 500
 STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
@@ -59,14 +60,16 @@ def find_circuits(
     """
     machine, may, found = so_far.machine, so_far.may, {}
     for place, circuit in enumerate(machine.circuits):
-        why = _refused(machine, circuit, signals, may)
+        rows = _known_rows(circuit, signals, len(time))
+        own = {name: signals[name].at(rows) for name in circuit.functions}
+        why = _refused(machine, circuit, own, may)
         if why:
             so_far.lacks[f"circuits.{circuit.name}"] = why
             continue
         known = finished.circuit(circuit.name)
         if known is None:
             fitted = identify_circuit(
-                machine, circuit, signals, time, segment, raster, _free_pump(circuit, may),
+                machine, circuit, own, time[rows], segments_of(segment, rows), raster, _free_pump(circuit, may),
                 lambda what, name=circuit.name, place=place: tell(place, f"{name}: {what}"),  # type: ignore[misc]
             )  # fmt: skip
             if isinstance(fitted, str):
@@ -81,6 +84,17 @@ def find_circuits(
     return found
 
 
+def _known_rows(circuit: SupplyCircuit, signals: dict[str, Signals], n_row: int) -> np.ndarray:
+    """Rows in which spools and pressures of all functions of a circuit have a value, as far as they have sensors, (n_row,) of bool."""
+    known = np.ones(n_row, dtype=bool)
+    for name in circuit.functions:
+        s = signals[name]
+        for values in (s.spool, s.p_a, s.p_b):
+            if values is not None:
+                known &= ~np.isnan(values)
+    return known
+
+
 def _refused(machine: LayoutMachine, circuit: SupplyCircuit, signals: dict[str, Signals], may: Freedom) -> str:
     if circuit.kind != "series":
         return f"it is of the kind {circuit.kind!r}; only circuits of valves in series are identified"
@@ -92,6 +106,9 @@ def _refused(machine: LayoutMachine, circuit: SupplyCircuit, signals: dict[str, 
     missing = missing_for_circuit(machine, circuit.functions, signals)
     if missing:
         return missing
+    n_row = min(len(s.spool) for s in signals.values() if s.spool is not None)
+    if n_row < LEAST_ROWS:
+        return f"spools and pressures of all its functions have a value together in {n_row} rows; {LEAST_ROWS} at least"
     for name in circuit.functions:
         spool, opens = signals[name].spool, machine.function(name).valve
         assert spool is not None

@@ -39,7 +39,8 @@ def find_mechanics(so_far: SoFar, table: Table, *, unasked: bool) -> MechanicsFi
     except InputError as error:
         so_far.lacks[WAY] = str(error).removeprefix("table: ")
         return None
-    pressures = [table[f"{f}.{p}"] for f in machine.names for p in ("p_a", "p_b")]
+    ports = [f"{f}.{p}" for f in machine.names for p in ("p_a", "p_b")]
+    pressures = [table.whole([port])[port] for port in ports]
     low, high = min(float(p.min()) for p in pressures), max(float(p.max()) for p in pressures)
     so_far.take_estimates(
         found.estimates,

@@ -82,7 +82,7 @@ def find_left(
     for f in so_far.machine.functions:
         if any(f"functions.{f.name}.valve.{key}" in so_far.changes for key in CURVES) and f.name not in so_far.seen:
             ports = [f"{f.name}.{port}" for port in ("p_a", "p_b")]
-            measured = [float(table[port].max()) for port in ports if port in table.names]
+            measured = [float(table.whole([port])[port].max()) for port in ports if port in table.names]
             so_far.seen[f.name] = Seen(found.travel[f.name], max(measured) if len(measured) == len(ports) else np.inf)
     return found
 

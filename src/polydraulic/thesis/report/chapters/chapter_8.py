@@ -165,9 +165,8 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             f"{of(equations, part)} with the identified machine, whose curves go on in the shape that they had before; "
             f"{100.0 * equations(part).outside:.0f} % of its steps are flagged as beyond the log. Sensor noise: without any, with 1 % and with 3 % of the range the medians are {of(networks, *noise)} "
             f"with networks and {of(equations, *noise)} with the identified machine. Sensors that are silent {quiet[0]} and {quiet[1]} % of the time leave "
-            f"{found[silent[0]].rows} and {found[silent[1]].rows} rows in which all of them read something; the medians are {of(networks, *silent)} with networks and "
-            f"{of(equations, *silent)} with the identified machine. Where too few rows follow each other for a spool to be seen following its lever, its pilot is kept as "
-            "it was in the file to begin with, 10 to 20 % off, and that is an error in every run.",
+            f"{found[silent[0]].rows} and {found[silent[1]].rows} rows in which all of them read something, and networks learn from these; the medians are {of(networks, *silent)} with networks and "
+            f"{of(equations, *silent)} with the identified machine, whose pilots, circuits and outlets each take the rows that have what they need.",
             "Coverage and noise.",
         ),
         Paragraph(
