@@ -8,11 +8,13 @@ N = 3000
 SPANS = [(1, 1400), (1420, N)]
 
 
-def joint(*, slow=slice(0, 0), stop=np.inf):
+def joint(*, slow=slice(0, 0), stop=np.inf, weak=False):
     """An opening to either side, what others take, an angle that matters, one that does not, and the joint."""
     rng = np.random.default_rng(1)
     push = np.repeat(rng.choice([-1.0, -0.5, 0.0, 0.5, 1.0], size=N // 20), 20)
     demand = np.repeat(rng.choice([0.0, 0.0, 1.0], size=N // 30), 30)
+    if weak:  # other valves move on the weaker day alone
+        demand[SPANS[0][1] :] = 0.0
     other, idle = np.cumsum(rng.normal(scale=0.05, size=(2, N)), axis=1)
     other /= np.abs(other).max()
     idle /= np.abs(idle).max()
@@ -20,6 +22,7 @@ def joint(*, slow=slice(0, 0), stop=np.inf):
     for t in range(1, N):
         rate = 0.02 * max(push[t], 0.0) - 0.021 * max(-push[t], 0.0)
         rate *= 1.0 - 0.2 * demand[t] - 0.1 * y[t - 1] + 0.15 * other[t - 1]
+        rate *= 0.7 if weak and t < SPANS[0][1] else 1.0
         rate *= 0.4 if slow.start <= t < slow.stop else 1.0
         y[t] = min(y[t - 1] + rate, stop)
     y_noisy = y + rng.normal(scale=1e-3, size=N)
@@ -71,3 +74,10 @@ def test_rows_at_a_stop_say_nothing_of_the_gains():
     assert (signals[:, 5] > 0.25).mean() > 0.1
     assert gain_as_share_of_truth(signals, away=signals[:, 5] < 0.25) == pytest.approx(1.0, abs=0.03)
     assert gain_as_share_of_truth(signals) < 0.95
+
+
+def test_a_weaker_day_does_not_smear_what_changes_the_rate():
+    frame, coef, _ = learnt(joint(weak=True), most=0)
+    share = -0.2 / (1.0 - 0.1 * frame.mean[5] + 0.15 * frame.mean[3])  # it would be -0.39 if all days counted as one
+    assert coef[3, 1, 0] / coef[1, 0, 0] == pytest.approx(share, abs=0.03)
+    assert coef[3, 2, 0] / coef[2, 0, 0] == pytest.approx(share, abs=0.03)

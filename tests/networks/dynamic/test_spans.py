@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.spans import answered, blocks_of, lagged, rows_of, spans_of, without
+from polydraulic.networks.dynamic.spans import answered, blocks_of, lagged, rows_of, spans_of, stretches_of, without
 
 
 def test_spans_end_at_labels_and_at_rows_that_are_not_known():
@@ -27,3 +27,13 @@ def test_lagged_rows_come_from_the_same_span():
     assert spans == [(2, 4), (9, 10)]
     rows = rows_of(spans)
     assert np.array_equal(lagged(signals, [(0, 0), (1, 2)], rows), [[4.0, 1.0], [6.0, 3.0], [18.0, 15.0]])
+
+
+def test_stretches_are_spans_of_about_one_length_or_blocks():
+    even = [(0, 100), (110, 190), (200, 320)]
+    assert stretches_of(even, 4) == [[span] for span in even]
+    assert stretches_of([(0, 100)], 4) == blocks_of([(0, 100)], 4)
+    uneven = [(0, 100), (110, 120)]
+    assert stretches_of(uneven, 2) == blocks_of(uneven, 2)
+    many = [(10 * n, 10 * n + 9) for n in range(11)]
+    assert stretches_of(many, 4) == blocks_of(many, 4)

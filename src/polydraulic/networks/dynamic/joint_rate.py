@@ -4,6 +4,9 @@ Coefficients are those with which the travel over short windows of rows fits bes
 oil that has not warmed up) makes an error that adds up, so that squared errors of long runs are those of a few stretches; over short windows a
 log holds many of them, and one that fits badly counts by its size, not by its square. More factors have to earn their place on blocks held out,
 there over as many rows as runs are meant to go on.
+
+A log of several days shows several machines: a joint that is a tenth slower than the day before would smear the shape of its rate. So each stretch of
+a log has a strength of its own for each of the joint's openings, one in the mean, which is fitted along and then left out.
 """
 
 from collections.abc import Sequence
@@ -13,13 +16,17 @@ import numpy as np
 
 from polydraulic.networks.dynamic.free_run import pieces
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, run_terms
-from polydraulic.networks.dynamic.spans import Span, blocks_of, without
+from polydraulic.networks.dynamic.spans import Span, blocks_of, stretches_of, without
 
 _SCALE = 0.01  # of the joint's range: errors of the travel beyond it count by their size
-_REWEIGHED = 8  # times
+_REWEIGHED = 16  # times
 _RIDGE = 1e-3  # weight of what changes an opening, as a part of the openings' own; the openings themselves are held by next to nothing
 _OWN_RIDGE = 1e-6
 _ENOUGH = 0.03  # of the error, that a further factor has to gain
+_TO_ONE = (
+    0.1  # of the joint's range, travelled: what counts as much as the belief that a stretch is as strong as the mean
+)
+_WEAKEST, _STRONGEST = 0.5, 2.0
 _OVERLAP = 4  # windows begin every so many parts of their length
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
 
@@ -66,15 +73,18 @@ def learn_rate(
         Factors beside those that are known, at most.
     """
     blocks = [(without(spans, block), pieces(block, horizon)) for block in blocks_of(spans, n_blocks)]
+    stretch = np.zeros(len(frame.signals), dtype=np.int64)
+    for n, part in enumerate(stretches_of(spans, n_blocks)):
+        for a, b in part:
+            stretch[a:b] = n
 
     def errors_with(chosen: Sequence[int]) -> np.ndarray:
         """Of runs through each block by a rate that the others made."""
         total = np.cumsum(_design(frame, factors.own, chosen), axis=0)
         found = []
         for rest, runs in blocks:
-            terms = _terms(
-                frame, factors.own, chosen, _fitted(frame, total, _windows(rest, away, window), len(factors.own))
-            )
+            coef = _fitted(frame, total, _windows(rest, away, window), stretch, len(factors.own))
+            terms = _terms(frame, factors.own, chosen, coef)
             found.append(
                 np.abs(np.concatenate([errors for errors, _ in run_terms(frame, terms, runs, slopes=False)])).mean()
             )
@@ -90,7 +100,7 @@ def learn_rate(
         best = errors[int(np.argmax(gains))]
         chosen.append(offered.pop(int(np.argmax(gains))))
     total = np.cumsum(_design(frame, factors.own, chosen), axis=0)
-    coef = _fitted(frame, total, _windows(spans, away, window), len(factors.own))
+    coef = _fitted(frame, total, _windows(spans, away, window), stretch, len(factors.own))
     return _terms(frame, factors.own, chosen, coef), float(best.mean())
 
 
@@ -137,19 +147,43 @@ def _travel(frame: Frame, windows: np.ndarray) -> np.ndarray:
     return _travelled(frame.signals[:, -1], windows)
 
 
-def _fitted(frame: Frame, total: np.ndarray, windows: np.ndarray, n_own: int) -> np.ndarray:
-    """Coefficients with which the travel in windows fits best, in absolute errors where these are large; (n_term,)."""
+def _fitted(frame: Frame, total: np.ndarray, windows: np.ndarray, stretch: np.ndarray, n_own: int) -> np.ndarray:
+    """Coefficients with which the travel in windows fits best, in absolute errors where these are large; (n_term,).
+
+    Each stretch of rows, by its number in `stretch` (n_row,), has strengths of its own, whose mean is one.
+    """
     design, travel = _travelled(total, windows), _travel(frame, windows)
     places = frame.signals[windows.ravel(), -1]
     scale = _SCALE * float(np.ptp(places)) + 1e-300 if len(places) else 1.0
-    weight = np.ones(len(travel))
+    of = stretch[windows[:, 0]]
+    opening = np.arange(total.shape[1]) % n_own
+    weight, strength = np.ones(len(travel)), np.ones((int(of.max(initial=0)) + 1, n_own))
     coef = np.zeros(total.shape[1])
     held = np.full(total.shape[1], _RIDGE)
     held[:n_own] = _OWN_RIDGE
     for _ in range(_REWEIGHED):
-        weighed = design * weight[:, None]
-        gram = weighed.T @ design
+        stronger = design * strength[of][:, opening]
+        weighed = stronger * weight[:, None]
+        gram = weighed.T @ stronger
         size = float(np.diagonal(gram)[:n_own].mean()) + 1e-12
         coef = np.linalg.solve(gram + size * np.diag(held), weighed.T @ travel)
-        weight = 1.0 / np.sqrt(1.0 + ((design @ coef - travel) / scale) ** 2)
+        weight = 1.0 / np.sqrt(1.0 + ((stronger @ coef - travel) / scale) ** 2)
+        by_opening = np.column_stack([(design * coef)[:, opening == k].sum(axis=1) for k in range(n_own)])
+        strength = _strengths(by_opening, travel, weight, of, (_TO_ONE / _SCALE * scale) ** 2)
     return coef
+
+
+def _strengths(
+    by_opening: np.ndarray, travel: np.ndarray, weight: np.ndarray, of: np.ndarray, ridge: float
+) -> np.ndarray:
+    """How much further each opening moves the joint in each stretch than a rate says, over that of all stretches; (n_stretch, n_opening)."""
+    n_own = by_opening.shape[1]
+    found, share = np.ones((2, int(of.max(initial=0)) + 1, n_own))
+    for n in range(len(found)):
+        own = by_opening[of == n]
+        weighed = own * weight[of == n, None]
+        gram, right = weighed.T @ own + ridge * np.eye(n_own), weighed.T @ travel[of == n] + ridge
+        found[n] = np.clip(np.linalg.solve(gram, right), _WEAKEST, _STRONGEST)
+        share[n] = np.abs(own).sum(axis=0)
+    mean = (found * share).sum(axis=0) / np.maximum(share.sum(axis=0), 1e-300)
+    return np.asarray(found / np.where(mean > 0.0, mean, 1.0))

@@ -8,7 +8,12 @@ import numpy as np
 
 from polydraulic.errors import InputError
 
-Span = tuple[int, int]  # first row, and the row after the last  # first row, and the row after the last
+Span = tuple[int, int]  # first row, and the row after the last
+
+_MOST_STRETCHES, _ABOUT = (
+    10,
+    0.5,
+)  # spans that count as stretches of their own, and what share of the mean length each has at least
 
 
 def spans_of(segments: Any, known: np.ndarray) -> list[Span]:
@@ -54,6 +59,21 @@ def blocks_of(spans: Sequence[Span], n_block: int) -> list[list[Span]]:
                 block.append((begin, end))
         passed += b - a
     return found
+
+
+def stretches_of(spans: Sequence[Span], n_block: int) -> list[list[Span]]:
+    """Parts of a log that may be of different days: its spans if they are a few of about the same length, else blocks of them.
+
+    Parameters
+    ----------
+    spans : sequence of (start, stop)
+    n_block : int
+        Blocks of equally many rows, where spans are one, many, or of very different lengths.
+    """
+    sizes = [b - a for a, b in spans]
+    if 1 < len(spans) <= _MOST_STRETCHES and min(sizes) * len(spans) >= _ABOUT * sum(sizes):
+        return [[span] for span in spans]
+    return blocks_of(spans, n_block)
 
 
 def answered(spans: Sequence[Span], warm_up: int) -> list[Span]:
