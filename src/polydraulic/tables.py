@@ -228,8 +228,7 @@ class Table:
         values = self._column(name)
         if MISSING in self.columns and (lacks := int(np.count_nonzero(np.isnan(values)))):
             raise InputError(
-                f"column {name!r} has no value in {lacks} of {len(self)} rows; take whole rows of what is needed, table.whole([...]), or "
-                f"table.columns[{name!r}], where they are NaN"
+                f"column {name!r} has no value in {lacks} of {len(self)} rows; take whole rows by table.whole([...]), or NaN by table.columns[{name!r}]"
             )
         return values
 
@@ -342,8 +341,7 @@ def read_table(
         hint = f"; {OF_LOGS}" if any(mark in name for name in names for mark in ";\t") else ""
         raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}{hint}")
     declares = MISSING in units and MISSING not in wanted
-    read = names if declares else wanted
-    found = {name: arrow_numbers(raw.column(names.index(name)), name, f"{path}: ") for name in read}
+    found = {n: arrow_numbers(raw.column(names.index(n)), n, f"{path}: ") for n in (names if declares else wanted)}
     some = Table({name: found[name] for name in wanted}, {name: units[name] for name in wanted}, info)
     if not declares:
         return Table({n: finite(v, n, f"{path}: ") for n, v in found.items()}, some.units, info)

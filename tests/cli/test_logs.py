@@ -91,9 +91,21 @@ def test_dropouts_of_many_channels_are_one_line_behind_the_errors(call, files):
     told = call("import many.csv --channels map.toml --out t.csv")[1].splitlines()
     assert [line.partition(" 'p")[0] for line in told[:2]] == [
         "error: implausible",
-        "warning: dropouts in 2 channels, up to 1.01 s in one; the table has no rows there; see t.quality.html",
+        "warning: dropouts in 2 channels, up to 1.01 s in one; the table has no rows there; --partial keeps what other channels read; see t.quality.html",
     ]
     assert not any("dropout '" in line for line in told)
+
+
+def test_a_partial_table_says_how_many_values_are_missing(call, files):
+    columns = healthy(n=600)
+    columns["p_head"][100:150] = np.nan
+    write_csv(files / "one.csv", columns)
+    code, out, _ = call("import one.csv --channels map.toml --out t.csv --partial")
+    assert code == 0
+    assert "rows in which a channel has no value, kept as missing: boom.p_a 50, speed 1" in out
+    assert "t.csv: 600 rows in 1 segment(s)" in out
+    assert "kept as missing: speed 1\n" in call("import log.csv --channels map.toml --out l.csv --partial")[1]
+    assert call("import --suggest log.csv --partial")[0] == 2
 
 
 def test_strict_is_an_exit_code_for_what_is_wrong(call, files):

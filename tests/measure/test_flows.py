@@ -7,6 +7,7 @@ from polydraulic import load_scenario, simulate
 from polydraulic.measure import add_flows, reconstruct_flow
 from polydraulic.measure.columns_made import FlowChannel, RateChannel
 from polydraulic.measure.flows import FlowStream, flow_statement, rate_statement
+from polydraulic.measure.smoothing import window_length
 from polydraulic.parameters.layout.geometry import triangle
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import spool_of
@@ -77,3 +78,24 @@ def test_a_rate_is_the_derivative_of_its_column_and_says_how_it_is_smoothed():
     v = np.concatenate([columns[-1] for _, _, columns in rows])
     assert v == pytest.approx(0.3 * np.cos(table["time"]), abs=1e-4)
     assert rate_statement(rate, "m/s", 0.01).startswith("v = d(stroke)/dt in m/s, by a cubic over 0.11 s: assumes that")
+
+
+def test_what_is_made_of_a_silent_channel_lacks_values_within_half_a_window_of_it():
+    table, rate = made(((0, 300),)), RateChannel("v", "stroke", 0.1)
+    stroke, p = table["stroke"].copy(), table["p"].copy()
+    stroke[100:150], p[200] = np.nan, np.nan
+    found = []
+    for cuts in ([300], [90, 120, 201, 300]):
+        stream, given = FlowStream(["stroke", "p"], [FLOW, rate], 0.01), []
+        for part in np.split(np.arange(300), cuts)[:-1]:
+            given += stream.add(table["time"][part], table["segment"][part], [stroke[part], p[part]])
+        given += stream.end()
+        found.append([np.concatenate([c[k] for _, _, c in given]) for k in range(4)])
+    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*found, strict=True))
+    half = window_length(0.01, 0.1) // 2
+    assert np.flatnonzero(np.isnan(found[0][3])).tolist() == list(range(100 - half, 150 + half))
+    lacking = [*range(100 - half, 150 + half), *range(200 - half, 201 + half)]
+    assert np.flatnonzero(np.isnan(found[0][2])).tolist() == lacking
+    whole = add_flows(table, [FLOW], 0.01)[FLOW.name]
+    known = ~np.isnan(found[0][2])
+    assert found[0][2][known] == pytest.approx(whole[known], rel=1e-9, abs=1e-15)

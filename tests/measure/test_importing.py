@@ -5,13 +5,16 @@ import re
 from types import SimpleNamespace
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
+import scipy.io
 
 from helpers.group_log_kinds import cases as group_cases
 from helpers.log_kinds import cases
-from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
+from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put, write_csv
 from polydraulic.errors import InputError
-from polydraulic.measure import import_log, write_quality
+from polydraulic.measure import import_log, load_channels, write_quality
 from polydraulic.measure.channels import channel_map
 from polydraulic.measure.columns_made import RateChannel
 from polydraulic.measure.findings import KINDS, Findings
@@ -291,3 +294,43 @@ def test_a_rate_is_made_of_three_samples(window, allowed):
     else:
         with pytest.raises(InputError, match="= 0.2999 s: 'x' has a sample every 0.1 s only; 0.3 s at least"):
             _check_windows(channels, checks)
+
+
+def silent_at_times():
+    """A log whose pressure is silent for a second and begins late, and whose lever ends early."""
+    columns = healthy()
+    columns["p_head"][:50] = columns["p_head"][1000:1100] = np.nan
+    columns["lever"][3900:] = np.nan
+    return columns
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat", "parquet"])
+@pytest.mark.parametrize("ending", ["parquet", "csv"])
+def test_rows_in_which_some_channels_are_silent_are_kept_if_asked_for(tmp_path, kind, ending):
+    from polydraulic.tables import read_table
+
+    columns, log = silent_at_times(), tmp_path / f"log.{kind}"
+    if kind == "csv":
+        write_csv(log, columns)
+    elif kind == "mat":
+        scipy.io.savemat(log, columns)
+    else:
+        pq.write_table(pa.table({n: pa.array(v, from_pandas=True) for n, v in columns.items()}), log)
+    (tmp_path / "map.toml").write_text(MAP)
+    table, whole = tmp_path / f"table.{ending}", tmp_path / f"whole.{ending}"
+    found = import_log(log, load_channels(tmp_path / "map.toml"), table, partial=True)
+    assert (found.n_row, found.n_segment) == (4000, 1)
+    assert found.missing == {"lever": 100, "boom.p_a": 150, "speed": 1}
+    every = read_table(table, partial=True)
+    assert np.flatnonzero(~every.known(["boom.p_a"])).tolist() == [*range(50), *range(1000, 1100)]
+    assert every.columns["boom.p_a"][60] == pytest.approx(1e5 * columns["p_head"][60])
+    import_log(log, load_channels(tmp_path / "map.toml"), whole)
+    assert read_table(table) == read_table(whole)  # who asks for all channels gets the rows of an import without it
+    assert len(read_table(table, ["time", "lever"])) == 3900
+    assert len(found.excerpt) == len(read_table(whole))
+    assert len(np.unique(found.excerpt["segment"])) == 2
+    write_quality(found, tmp_path / "q.html")
+    assert (
+        "it is partial, rows without a value of a channel: lever 100, boom.p_a 150" in (tmp_path / "q.html").read_text()
+    )
+    assert json.loads((tmp_path / "q.json").read_text())["rows_missing"]["boom.p_a"] == 150

@@ -9,9 +9,9 @@ from polydraulic.measure.checks.channel_check import Samples
 from polydraulic.measure.resample import Resampler
 
 
-def rows(raster, channels, cuts=(np.inf,)):
+def rows(raster, channels, cuts=(np.inf,), partial=False):
     """Time, segment and values of `channels` (time, value, raster, between), given in parts up to `cuts`."""
-    maker = Resampler(raster, [between for *_, between in channels])
+    maker = Resampler(raster, [between for *_, between in channels], partial=partial)
     found, begin = [], -np.inf
     for end in cuts:
         for track, (time, value, own, _) in zip(maker.tracks, channels, strict=True):
@@ -52,6 +52,37 @@ def test_one_missing_sample_is_bridged_and_two_are_not():
     t, segment, _ = rows(0.1, [(np.delete(every, [5, 6]), np.delete(every, [5, 6]), 0.1, "linear")])
     assert len(t) == 18
     assert segment[-1] == 1.0
+
+
+@pytest.mark.parametrize("cuts", [(np.inf,), (0.95, 2.35, np.inf)])
+def test_partial_rows_are_there_where_any_channel_is_known(cuts):
+    always = np.arange(40) * 0.1
+    late = np.concatenate([np.arange(5, 12) * 0.1, np.arange(20, 30) * 0.1])
+    gap = np.concatenate([always[:25], always[32:]])
+    channels = [(late, 10.0 + late, 0.1, "linear"), (gap, gap, 0.1, "linear")]
+    t, segment, (a, b) = rows(0.1, channels, cuts, partial=True)
+    assert np.round(t / 0.1).astype(int).tolist() == [*range(30), *range(32, 40)]
+    assert segment.tolist() == [0.0] * 30 + [1.0] * 8
+    assert np.flatnonzero(~np.isnan(a)).tolist() == [*range(5, 12), *range(20, 30)]
+    assert np.flatnonzero(np.isnan(b)).tolist() == [25, 26, 27, 28, 29]
+    assert a[5:12] == pytest.approx(10.0 + late[:7])
+    assert b[:25] == pytest.approx(gap[:25])
+
+
+@given(st.lists(st.sets(st.integers(0, 29), min_size=2), min_size=2, max_size=3), st.integers(1, 29))
+def test_partial_rows_hold_the_whole_ones_and_do_not_depend_on_the_blocks(samples, cut):
+    channels = [(np.array(sorted(own)) * 0.1, np.array(sorted(own)) * 1.0, 0.1, "linear") for own in samples]
+    t, segment, values = rows(0.1, channels, partial=True)
+    again = rows(0.1, channels, (cut * 0.1, np.inf), partial=True)
+    assert np.array_equal(t, again[0])
+    assert np.array_equal(segment, again[1])
+    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(values, again[2], strict=True))
+    known = ~np.isnan(values)
+    assert known.any(axis=0).all()
+    whole_t, _, whole = rows(0.1, channels)
+    keep = known.all(axis=0)
+    assert np.array_equal(t[keep], whole_t)
+    assert all(np.array_equal(a[keep], b) for a, b in zip(values, whole, strict=True))
 
 
 def test_a_held_value_lasts_a_raster_into_a_gap():

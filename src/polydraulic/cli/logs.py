@@ -34,11 +34,18 @@ def import_(
         bool,
         typer.Option("--strict", help="Exit with 1 if the log has errors, such as values beyond a range of the map."),
     ] = False,
+    partial: Annotated[
+        bool,
+        typer.Option(
+            "--partial", help="Keep rows in which some channels are silent, and declare their values as missing."
+        ),
+    ] = False,
     units: UnitsOption = METRIC,
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
 
-    The table holds rows on one raster where all inputs and outputs are known; the column `segment` counts pieces without a gap.
+    The table holds rows on one raster where all inputs and outputs are known, with `--partial` where any is; the column `segment` counts pieces without
+    a gap.
 
     Example: `polydraulic import log.mf4 --channels map.toml --out table.parquet`
 
@@ -57,8 +64,8 @@ def import_(
     from polydraulic.measure.suggest import suggest_channels
 
     if suggest:
-        if channels is not None or report is not None:
-            raise InputError("--suggest writes a channel map; --channels and --report go with an import")
+        if channels is not None or report is not None or partial:
+            raise InputError("--suggest writes a channel map; --channels, --report and --partial go with an import")
         if out is not None:
             check_apart(out, expand(log))
             check_new(out)
@@ -79,7 +86,7 @@ def import_(
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
     with progress_bar("import") as progress:
-        imported = import_log(log, given, out, dbc=dbc or (), progress=progress)
+        imported = import_log(log, given, out, dbc=dbc or (), partial=partial, progress=progress)
         progress("deadbands, coverage, quality report", 0, 1)
         told = write_quality(imported, page, units=units)
     for line in _told(imported, page):
@@ -91,6 +98,10 @@ def import_(
     print(
         f"{out}: {imported.n_row} rows in {imported.n_segment} segment(s); {page}: {len(imported.findings)} finding(s)"
     )
+    lacking = {name: count for name, count in (imported.missing or {}).items() if count}
+    if imported.missing is not None:
+        of = ", ".join(f"{name} {count}" for name, count in lacking.items()) or "none"
+        print(f"rows in which a channel has no value, kept as missing: {of}")
     errors = sum(finding.level == "error" for finding in imported.findings)
     if strict and errors:
         print(f"--strict: {errors} error(s) above")
@@ -104,8 +115,10 @@ def _told(imported: "Imported", page: Path) -> list[str]:
     lines = [f"{finding.level}: {finding}" for finding in single]
     if len(dropouts) > 1:
         lost = max(check.lost for check in imported.checks)
+        whole = "the table has no rows there; --partial keeps what other channels read"
+        where = whole if imported.missing is None else "their values are missing there"
         lines.append(
-            f"{dropouts[0].level}: dropouts in {len(dropouts)} channels, up to {lost:.4g} s in one; the table has no rows there; see {page}"
+            f"{dropouts[0].level}: dropouts in {len(dropouts)} channels, up to {lost:.4g} s in one; {where}; see {page}"
         )
     return lines
 

@@ -71,7 +71,10 @@ KINDS = {
     ),
     "empty": ("error", "no value at all"),
     "constant": ("warning", "one value throughout: the sensor is dead, or nothing moved"),
-    "dropout": ("warning", "no value for longer than samples may be apart; the table has no rows there"),
+    "dropout": (
+        "warning",
+        "no value for longer than samples may be apart; the table has no rows there, a partial one no values of this channel",
+    ),
     "implausible": ("error", "values beyond the plausible range; taken as missing"),
     "unit by values": ("error", "most values are beyond the plausible range, and would fit in another unit"),
     "sign": ("error", "most values are beyond the plausible range, and would fit with the other sign"),

@@ -145,13 +145,28 @@ class FlowStream:
 
     def _flow(self, flow: FlowChannel | RateChannel) -> np.ndarray:
         if isinstance(flow, RateChannel):
-            return differentiate(self._columns[self.places[flow.of]], self.raster, flow.window)
-        pressure = None if flow.pressure is None else self._columns[self.places[flow.pressure]]
-        return reconstruct_flow(
-            self._columns[self.places[flow.position]],
+            (values,), known = self._filled([flow.of], flow.window)
+            return np.where(known, differentiate(values, self.raster, flow.window), np.nan)
+        with_pressure = flow.pressure is not None and flow.compliance > 0.0
+        read, known = self._filled([flow.position, *([flow.pressure] if with_pressure else [])], flow.window)  # type: ignore[list-item]
+        made = reconstruct_flow(
+            read[0],
             self.raster,
             flow.area,
-            pressure=pressure,
+            pressure=read[1] if with_pressure else None,
             compliance=flow.compliance,
             window=flow.window,
         )
+        return np.where(known, made, np.nan)
+
+    def _filled(self, names: Sequence[str], window: float) -> tuple[list[np.ndarray], np.ndarray]:
+        """Columns with zeros where they have no value, and in which rows the window of a derivative lacks none of them."""
+        columns = [self._columns[self.places[name]] for name in names]
+        lacks = np.any([np.isnan(column) for column in columns], axis=0)
+        if not lacks.any():
+            return columns, ~lacks
+        n = len(lacks)
+        length = min(window_length(self.raster, window), n - 1 + n % 2)
+        first = np.clip(np.arange(n) - length // 2, 0, n - length)
+        lost = np.concatenate([[0], np.cumsum(lacks)])
+        return [np.where(np.isnan(c), 0.0, c) for c in columns], lost[first + length] == lost[first]

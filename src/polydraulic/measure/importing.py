@@ -1,7 +1,7 @@
 """From a log to a table: block by block, with everything that is wrong on the way noted.
 
 The table has the columns ``time``, ``segment`` and one for each input and output, in SI, on one raster. It holds rows where all of
-them are known; rows of one segment follow each other without a gap.
+them are known, or, if asked for, where any is, and declares the others as missing; rows of one segment follow each other without a gap.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,7 +26,7 @@ from polydraulic.measure.formats.log import Log, by_reason
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
 from polydraulic.progress import Progress, quiet
-from polydraulic.tables import Table, table_ending, table_writer
+from polydraulic.tables import MISSING, Table, table_ending, table_writer
 from polydraulic.unit_table import ATMOSPHERE
 from polydraulic.units import Conversion, unit_kind
 
@@ -52,9 +52,11 @@ class Imported:
     too_short : int
         Rows of segments in which no flow or rate could be made.
     excerpt : Table
-        Rows from all over the table, or all of them if they are few.
+        Rows from all over the table in which all is known, or all of them if they are few.
     began : float, s since 1970
         When the log's time was zero; 0 if that is not known, or its times count from 1970 themselves.
+    missing : dict from column to int, or None
+        In how many rows of a partial table each has no value; None for a table of whole rows.
     """
 
     source: Path
@@ -67,6 +69,7 @@ class Imported:
     too_short: int
     excerpt: Table
     began: float = 0.0
+    missing: dict[str, int] | None = None
 
     def shown(self, units: str = DEFAULT) -> dict[str, Conversion]:
         """How the columns convert to the units that people read: those of `units`, or of the log where that system has none."""
@@ -87,6 +90,7 @@ def import_log(
     out: str | Path,
     *,
     dbc: Sequence[str | Path] = (),
+    partial: bool = False,
     progress: Progress = quiet,
 ) -> Imported:
     """Read a log, or several files of one campaign, through a channel map and write the table that comes of it.
@@ -102,6 +106,8 @@ def import_log(
         Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
     dbc : sequence of str or Path, optional
         CAN databases (DBC) of a bus log.
+    partial : bool
+        Keep rows in which any channel is known, and declare the others as missing there (`Table.partial`); whole rows only if not given.
     progress : Progress, optional
 
     Returns
@@ -120,7 +126,7 @@ def import_log(
     with _opened(path, channels, dbc, findings) as log:
         groups = _groups(log, channels)
         _names_and_units(log, channels, findings)
-        resampler = Resampler(channels.raster, [c.between for c in channels.used])
+        resampler = Resampler(channels.raster, [c.between for c in channels.used], partial=partial)
         flows = FlowStream([c.name for c in channels.used], (*channels.flows, *channels.rates), channels.raster)
         units = {"time": "s", "segment": "1", **{c.name: channels.conversion(c).si for c in channels.used}}
         units |= channels.made()
@@ -131,21 +137,19 @@ def import_log(
             "outputs": channels.of_role("output"),
         }
         info |= {"began": log.began} if log.began else {}
-        excerpt = Excerpt(units)
+        rows_of = _Rows(units, partial)
         merged = _Merged(log, channels, groups, findings, resampler)
         try:
-            with table_writer(out, units, info) as write, done_later(write) as write_later:
+            with table_writer(out, rows_of.units, info) as write, done_later(write) as write_later:
                 for done in merged:
                     for rows in resampler.rows(done.until):
                         for time, segment, columns in flows.add(*rows):
-                            write_later([time, segment, *columns])
-                            excerpt.add([time, segment, *columns])
+                            write_later(rows_of.of([time, segment, *columns]))
                     progress(log.path.name, int(STEPS * done.share), STEPS)
                 for time, segment, columns in flows.end():
-                    write_later([time, segment, *columns])
-                    excerpt.add([time, segment, *columns])
+                    write_later(rows_of.of([time, segment, *columns]))
                 _check_windows(channels, merged.checks)
-                if excerpt.n_row == 0:
+                if rows_of.n_row == 0:
                     raise _NoRowsError
         except _NoRowsError:
             findings.add("no rows")
@@ -155,8 +159,38 @@ def import_log(
     _copies(merged.checks, findings)
     return Imported(
         log.path, channels, findings, merged.checks, merged.span,
-        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(), log.began,
+        rows_of.n_row, resampler.segment + 1, flows.too_short, rows_of.excerpt.table(), log.began, rows_of.missing,
     )  # fmt: skip
+
+
+class _Rows:
+    """Rows on their way to the table: counted, and those in which all is known kept for the excerpt."""
+
+    def __init__(self, units: dict[str, str], partial: bool) -> None:
+        self.units = units | ({MISSING: "1"} if partial else {})
+        self.excerpt = Excerpt(units)
+        self.n_row = 0
+        self.missing = dict.fromkeys(list(units)[2:], 0) if partial else None
+        self._lacking = 0
+
+    def of(self, columns: list[np.ndarray]) -> list[np.ndarray]:
+        """Columns as the table has them."""
+        self.n_row += len(columns[0])
+        if self.missing is None:
+            self.excerpt.add(columns)
+            return columns
+        lacks = [np.isnan(values) for values in columns[2:]]
+        for name, own in zip(self.missing, lacks, strict=True):
+            self.missing[name] += int(np.count_nonzero(own))
+        count = np.zeros(len(columns[0]))
+        for own in lacks:
+            count += own
+        whole = count == 0.0
+        # a number of its own for each piece without a row that lacks something
+        piece = columns[1] + self._lacking + np.cumsum(~whole)
+        self._lacking += int(np.count_nonzero(~whole))
+        self.excerpt.add([values[whole] for values in (columns[0], piece, *columns[2:])])
+        return [*columns, count]
 
 
 class _NoRowsError(Exception):

@@ -1,6 +1,7 @@
 """The quality report of an imported log: what is wrong with it and what it can tell; as a page and as JSON."""
 
 import json
+from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -77,6 +78,7 @@ def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dic
         "span_s": list(imported.span),
         "rows": imported.n_row,
         "segments": imported.n_segment,
+        "rows_missing": imported.missing,
         "rows_too_short_for_flows": imported.too_short,
         "findings": [
             {
@@ -107,6 +109,13 @@ def _atmosphere(imported: Imported) -> float | None:
     given = imported.channels.atmosphere
     absolute = any(check.conversion.absolute for check in imported.checks)
     return None if not absolute else ATMOSPHERE if given is None else given
+
+
+def _partial(imported: Imported) -> str:
+    if imported.missing is None:
+        return ""
+    lacking = ", ".join(f"{name} {count}" for name, count in imported.missing.items() if count)
+    return f"; it is partial, rows without a value of a channel: {escape(lacking) or 'none'}"
 
 
 def _pressures(imported: Imported) -> str:
@@ -163,7 +172,7 @@ def _page(imported: Imported, told: Told, units: str) -> str:
     flows = bullets([flow_statement(flow, imported.channels.raster) for flow in imported.channels.flows])
     body = f"""{verdict}
 <p>{last - first:.4g} s of log, from {moment(first + imported.began)} to {moment(last + imported.began)}. The table has {imported.n_row} rows every {imported.channels.raster:g} s in
-{imported.n_segment} segment(s) without a gap.</p>
+{imported.n_segment} segment(s) without a gap{_partial(imported)}.</p>
 <h2>What was found</h2>
 {_findings(findings)}
 <h2>Channels</h2>

@@ -1,12 +1,16 @@
-"""Channels with rasters of their own -> rows on one raster, where all of them are known; gaps stay gaps.
+"""Channels with rasters of their own -> rows on one raster, where all of them are known, or any; gaps stay gaps.
 
 A channel is known between two of its samples that lie no more than `JOIN` of its rasters apart: on the line between them, or at the
-value of the earlier one. A row of the table exists where every channel is known; rows without a break between them form a
-segment.
+value of the earlier one. A row of the table exists where every channel is known, of a partial table where any is; rows without a break
+between them form a segment.
 """
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from functools import reduce
+from itertools import chain, takewhile
 from math import inf
+from operator import itemgetter
 
 import numpy as np
 
@@ -71,10 +75,12 @@ class Resampler:
     raster : float, s
     between : sequence of str
         ``"linear"`` or ``"hold"`` for each channel.
+    partial : bool
+        Whether rows come in which any channel is known, with NaN for the others.
     """
 
-    def __init__(self, raster: float, between: Sequence[str]) -> None:
-        self.raster = raster
+    def __init__(self, raster: float, between: Sequence[str], *, partial: bool = False) -> None:
+        self.raster, self.partial = raster, partial
         self.tracks = [Track(kind) for kind in between]
         self.segment = -1
         self.n_row = 0
@@ -92,28 +98,55 @@ class Resampler:
         """
         if until == -inf:
             return
-        if any(track.time.size == 0 for track in self.tracks):
+        begun = [track for track in self.tracks if track.time.size]
+        if not begun or (len(begun) < len(self.tracks) and not self.partial):
             for track in self.tracks:  # what has no sample so far is not known before `until`
                 track.forget(until)
             return
-        first = int(max(self._next, np.ceil(max(t.time[0] for t in self.tracks) / self.raster - _ROUNDING)))
-        latest = min(until, max(t.time[-1] for t in self.tracks) + max(t.reach for t in self.tracks))
+        starts = [track.time[0] for track in begun]
+        earliest = (min if self.partial else max)(starts)
+        first = int(max(self._next, np.ceil(earliest / self.raster - _ROUNDING)))
+        latest = min(until, max(t.time[-1] for t in begun) + max(t.reach for t in begun))
         end = int(np.floor(latest / self.raster)) + 1
         if end <= first:
             return
-        spans = [(first, end)]
-        for track in self.tracks:
-            spans = _overlap(spans, track.pieces(self.raster, first, end))
-        for begin, stop in spans:
+        pieces = [track.pieces(self.raster, first, end) for track in self.tracks]
+        for begin, stop in _union(pieces) if self.partial else reduce(_overlap, pieces, [(first, end)]):
             self.segment += begin != self._last + 1
             self._last = stop - 1
             for start in range(begin, stop, _ROWS):
-                time = np.arange(start, min(start + _ROWS, stop)) * self.raster
+                last = min(start + _ROWS, stop)
+                time = np.arange(start, last) * self.raster
                 self.n_row += len(time)
-                yield time, np.full(len(time), float(self.segment)), [t.at(time, self.raster) for t in self.tracks]
+                yield time, np.full(len(time), float(self.segment)), self._values(time, start, last, pieces)
         self._next = end
         for track in self.tracks:
             track.forget(min(end * self.raster, until))
+
+    def _values(self, time: np.ndarray, start: int, last: int, pieces: list[list[tuple[int, int]]]) -> list[np.ndarray]:
+        """Values of all channels at rows from `start` to before `last`, NaN where one is not known."""
+        if not self.partial:
+            return [track.at(time, self.raster) for track in self.tracks]
+        found = []
+        for track, own in zip(self.tracks, pieces, strict=True):
+            values = np.full(len(time), np.nan)
+            behind = bisect_right(own, start, key=itemgetter(1))  # pieces that end before
+            for begin, stop in takewhile(lambda piece: piece[0] < last, own[behind:]):
+                inside = slice(max(begin - start, 0), min(stop, last) - start)
+                values[inside] = track.at(time[inside], self.raster)
+            found.append(values)
+        return found
+
+
+def _union(lists: list[list[tuple[int, int]]]) -> list[tuple[int, int]]:
+    """Spans that any of some rising lists covers."""
+    found: list[tuple[int, int]] = []
+    for low, high in sorted(chain.from_iterable(lists)):
+        if found and low <= found[-1][1]:
+            found[-1] = (found[-1][0], max(high, found[-1][1]))
+        else:
+            found.append((low, high))
+    return found
 
 
 def _overlap(a: list[tuple[int, int]], b: list[tuple[int, int]]) -> list[tuple[int, int]]:
