@@ -126,7 +126,9 @@ def test_exported_models_keep_their_allowances_and_ranges(which, way, exported_m
 
 def shipped():
     """All networks of the package; the large ones take half a minute and more each."""
-    several = {name: shipped_models(name, limited=name == "cascade") for name in ("cascade", "direct", "neural")}
+    several = {
+        name: shipped_models(name, limited=name == "cascade") for name in ("cascade", "direct", "neural", "fine")
+    }
     found = {f"{name}-{model.output.name}": model for name, models in several.items() for model in models}
     return [
         pytest.param(model, id=name, marks=[pytest.mark.slow] if model.n_coefficients > 800 else [])

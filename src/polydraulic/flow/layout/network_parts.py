@@ -114,6 +114,9 @@ def network_value(table: Any, which: Any, memory: Any) -> Any:
 
 @overload(network_value, jit_options=INLINED_OPTIONS)
 def _compiled_value(table: Any, which: Any, memory: Any) -> Any:
+    if table.instance_class is NetworkTable:  # of code that leaves as C, whose types are held to those of numba
+        return network_value
+
     def called(table: Any, which: Any, memory: Any) -> Any:  # numba wants the same annotations
         return answer_of(table, which, memory)
 
