@@ -4,7 +4,6 @@ from polydraulic.identification.equations.fit.valve_curves import (
     Curves,
     at_place,
     falling,
-    hats,
     placed_among,
     rising,
     with_knot,
@@ -17,7 +16,6 @@ def test_values_are_linear_between_knots_and_constant_beyond():
     values, at = np.array([0.0, 2.0, 4.0, 4.0]), np.array([0.0, 0.5, 2.0, 4.0, 9.0])
     place = placed_among(KNOTS, at)
     assert np.allclose(at_place(values, place), np.interp(at, KNOTS, values))
-    assert np.allclose(hats(place, 4) @ values, np.interp(at, KNOTS, values))
 
 
 def test_rises_and_falls_give_monotone_values():

@@ -15,17 +15,16 @@ from polydraulic.identification.equations.fit.valve_curves import (
     Place,
     at_place,
     falling,
-    hats,
     placed_among,
     rising,
 )
+from polydraulic.identification.equations.fit.weighing import add_squares, weigh
 from polydraulic.identification.equations.observations import mean_weights
 from polydraulic.machine.pump import Pump
 
 _FLOOR = 1e-9  # of the widest conductance: a closed orifice would have no slope
-HUBER = 2.0  # standard deviations
 _NEAREST = 0.3  # of the distance to the next knot that a knot moves in a step
-_CHUNK = 8192
+_CHUNK = 2048
 _DIFFERENCE = 1e-4  # relative, for slopes over numbers of the pump
 
 
@@ -62,7 +61,7 @@ class CircuitRows(NamedTuple):
     noise_flow: np.ndarray
     noise_scale: np.ndarray
 
-    def some(self, keep: np.ndarray) -> "CircuitRows":
+    def some(self, keep: np.ndarray | slice) -> "CircuitRows":
         """Those windows."""
         return self._replace(
             **{name: getattr(self, name)[keep] for name in ("travel", "p_in", "p_rate", "q_in", "known", "block")}
@@ -146,17 +145,12 @@ def mean_flows(model: CircuitModel, rows: CircuitRows) -> np.ndarray:
 
 def normal(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Normal:
     """Squares and slopes over all rows, and what was known before."""
-    sizes = [len(v.knots) for v in model.valves]
-    count = 3 * sum(sizes) + len(prior.pump)
-    loss, gradient, curvature = 0.0, np.zeros(count), np.zeros((count, count))
+    count = 3 * sum(len(v.knots) for v in model.valves) + len(prior.pump)
+    loss, gradient, curvature, used = 0.0, np.zeros(count), np.zeros((count, count)), np.empty(count, dtype=np.int64)
     for begin in range(0, len(rows.travel), _CHUNK):
-        part = rows.some(np.arange(begin, min(begin + _CHUNK, len(rows.travel))))
-        for off, slopes in weighted(model, part, list(prior.pump)):
-            size = np.abs(off)
-            robust = np.minimum(1.0, HUBER / np.maximum(size, 1e-300))
-            loss += float(np.sum(np.where(size <= HUBER, 0.5 * off * off, HUBER * (size - 0.5 * HUBER))))
-            gradient += slopes.T @ (robust * off)
-            curvature += (slopes * robust[:, None]).T @ slopes
+        for off, slopes in weighted(model, rows.some(slice(begin, begin + _CHUNK)), list(prior.pump)):
+            loss += add_squares(off, slopes, gradient, curvature, used)
+    curvature += np.tril(curvature, -1).T
     return with_prior(Normal(loss, gradient, curvature), model, prior)
 
 
@@ -165,44 +159,34 @@ def weighted(model: CircuitModel, rows: CircuitRows, of_pump: list[str]) -> list
     n, shape = len(model.valves), rows.travel.shape[:2]
     travel, p_in, p_rate = (values.reshape(-1, n) for values in (rows.travel, rows.p_in, rows.p_rate))
     p_in = np.maximum(p_in + model.lead * p_rate, 0.0)
-    share = mean_weights(shape[1])
     places = [placed_among(v.knots, travel[:, i]) for i, v in enumerate(model.valves)]
     k_in, k_bypass = conductances(model, places)
     at = circuit_slopes_at(k_in, k_bypass, p_in, model.pump)
     steep = [
-        tuple((np.diff(c) / np.diff(v.knots))[p.left] for c in (v.inlet, v.bypass))
+        (np.diff(c) / np.diff(v.knots))[p.left]
         for v, p in zip(model.valves, places, strict=True)
+        for c in (v.inlet, v.bypass)
     ]
-    by_pump = [
-        np.einsum("rij,rj->ri", at.by_pressure, p_rate)
-        if name == "lead"
-        else _over_pump(model.pump, name, k_in, k_bypass, p_in, at.q_in)
-        for name in of_pump
-    ]
-    shares = [hats(p, len(v.knots)) for v, p in zip(model.valves, places, strict=True)]
-    solved = at.solved.reshape(shape).all(axis=1)
-
-    def mean(values: np.ndarray) -> np.ndarray:
-        return values if shape[1] == 1 else np.einsum("wl...,l->w...", values.reshape(*shape, *values.shape[1:]), share)
-
-    found = []
-    for i in range(n):
-        by_travel = [at.by_inlet[:, i, j] * steep[j][0] + at.by_bypass[:, i, j] * steep[j][1] for j in range(n)]
-        variance = rows.noise_flow[i] ** 2 + sum(
-            (mean(by_travel[j]) * rows.noise_travel[j]) ** 2
-            + np.sum(share**2) * (mean(at.by_pressure[:, i, j]) * rows.noise_pressure[j]) ** 2
-            for j in range(n)
-        )
-        weight = np.where(rows.known[:, i] & solved, 1.0 / np.sqrt(variance), 0.0)
-        columns = []
-        for j in range(n):
-            for factor in (at.by_inlet[:, i, j], at.by_bypass[:, i, j], -by_travel[j]):
-                columns.append(mean(shares[j] * factor[:, None]))
-        columns += [mean(slope[:, i])[:, None] for slope in by_pump]
-        found.append(
-            (weight * (mean(at.q_in[:, i]) - rows.q_in[:, i]), np.concatenate(columns, axis=1) * weight[:, None])
-        )
-    return found
+    by_pump = np.empty((len(travel), n, len(of_pump)))
+    for k, name in enumerate(of_pump):
+        if name == "lead":
+            by_pump[:, :, k] = np.einsum("rij,rj->ri", at.by_pressure, p_rate)
+        elif name == "flow":
+            # all conductances and the flow grow together: all flows do so, and no pressure changes
+            by_curves = np.einsum("rij,rj->ri", at.by_inlet, k_in) + np.einsum("rij,rj->ri", at.by_bypass, k_bypass)
+            by_pump[:, :, k] = (at.q_in - by_curves) / model.pump.flow
+        else:
+            by_pump[:, :, k] = _over_pump(model.pump, name, k_in, k_bypass, p_in, at.q_in)
+    solved = np.asarray(at.solved.reshape(shape).all(axis=1))
+    first = np.cumsum([0, *(3 * len(v.knots) for v in model.valves)])
+    off, slopes = np.empty((n, shape[0])), np.zeros((n, shape[0], first[-1] + len(of_pump)))
+    weigh(
+        at.q_in, at.by_inlet, at.by_bypass, at.by_pressure, by_pump, np.column_stack([p.left for p in places]),
+        np.column_stack([p.share for p in places]), np.column_stack(steep).reshape(-1, n, 2), first, mean_weights(shape[1]), rows.q_in,
+        rows.known & solved[:, None],
+        np.stack([rows.noise_travel, rows.noise_pressure, rows.noise_flow]), off, slopes,
+    )  # fmt: skip
+    return list(zip(off, slopes, strict=True))
 
 
 def number_of(model: CircuitModel, name: str) -> float:

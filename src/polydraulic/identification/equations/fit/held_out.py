@@ -6,7 +6,7 @@ chance is the noise that the better model leaves: rows saved `before off` less `
 
 import numpy as np
 
-from polydraulic.identification.equations.fit.circuit_fit import HUBER
+from polydraulic.identification.equations.fit.weighing import HUBER
 
 BETTER = 5e-4  # share of the squares of the rows held out that a knot must save
 SURE = 2.0  # standard deviations of what noise may save, by which it must

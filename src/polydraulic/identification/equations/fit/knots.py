@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.identification.equations.fit.circuit_fit import (
-    HUBER,
     CircuitModel,
     CircuitRows,
     Prior,
@@ -17,6 +16,7 @@ from polydraulic.identification.equations.fit.circuit_fit import (
 )
 from polydraulic.identification.equations.fit.held_out import huber, surely_better
 from polydraulic.identification.equations.fit.valve_curves import with_knot
+from polydraulic.identification.equations.fit.weighing import HUBER
 
 _PATIENCE = 2  # knots that may save less before growth ends
 _CLOSEST = 2.5e-5  # m, between two knots

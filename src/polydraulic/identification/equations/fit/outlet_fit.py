@@ -9,17 +9,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.identification.equations.fit.circuit_fit import HUBER
 from polydraulic.identification.equations.fit.held_out import huber, surely_better
 from polydraulic.identification.equations.fit.uncertainty import at_travel
-from polydraulic.identification.equations.fit.valve_curves import at_place, between, hats, placed_among, rising
+from polydraulic.identification.equations.fit.valve_curves import Place, at_place, between, placed_among, rising
+from polydraulic.identification.equations.fit.weighing import (
+    HUBER,
+    LEAST_DROP,
+    add_squares,
+    linearise_outlet,
+    over_knots,
+)
 from polydraulic.identification.equations.numbers.estimates import unhidden
 from polydraulic.identification.equations.observations import Balance, mean_weights
 from polydraulic.identification.equations.sensors import Signals
 
-_LEAST_DROP = 3.0  # standard deviations of the pressure's noise, below which a drop says nothing of the conductance
 _PASSES, _CHOICES = 4, 2
-_LEAST_FLOW = 5.0  # standard deviations of its noise, from which on a flow tells the drop that it takes
 _PIECES, _LEAST_ROWS = 10, 20  # of the log for each number, and rows of one at least
 _CLOSEST = 1e-4  # m, between two knots
 _STEPS, _NEAREST, _LITTLE = 8, 0.3, 1e-5  # over places of knots: how many, shares of a gap, and what a last one gains
@@ -226,7 +230,7 @@ def _speaks(rows: OutletRows, knots: np.ndarray, values: np.ndarray) -> np.ndarr
     """Windows whose flow needs a drop well above the pressure's noise; by the measured drop, noise would choose them."""
     k = at_place(values, placed_among(knots, rows.travel.ravel())).reshape(rows.travel.shape)
     drop = np.square(rows.q_out / np.maximum(k.mean(axis=1), 1e-12))
-    return np.asarray((drop > _LEAST_DROP * rows.noise_pressure) | (k.max(axis=1) < 1e-9))
+    return np.asarray((drop > LEAST_DROP * rows.noise_pressure) | (k.max(axis=1) < 1e-9))
 
 
 def _solved(rows: OutletRows, knots: np.ndarray, prior: OutletPrior) -> _Solution:
@@ -240,38 +244,52 @@ def _solved(rows: OutletRows, knots: np.ndarray, prior: OutletPrior) -> _Solutio
 def _solved_on(rows: OutletRows, knots: np.ndarray, prior: OutletPrior, values: np.ndarray, lead: float) -> _Solution:
     from scipy.optimize import nnls
 
-    m, long = len(knots), rows.travel.shape[1]
-    to_values, before = rising(m), np.interp(knots, prior.knots, prior.values)
-    place = placed_among(knots, rows.travel.ravel())
-    of_knots = hats(place, m).reshape(-1, long, m)
-    shares = of_knots @ to_values
+    m = len(knots)
+    to_values, before = np.zeros((m + 1, m)), np.interp(knots, prior.knots, prior.values)
+    to_values[:m, :-1], to_values[m, -1] = rising(m), 1.0
+    place = _placed_rows(rows, knots)
     width = (prior.spread * np.maximum(before, 0.1 * before.max()))[1:]
     known, known_target = np.zeros((m, m)), np.append(before[1:] / width, 0.0)
-    known[:-1, :-1], known[-1, -1] = to_values[1:] / width[:, None], 1.0 / _LEAD
+    known[:-1, :-1], known[-1, -1] = to_values[1:m, :-1] / width[:, None], 1.0 / _LEAD
+    used = np.empty(m + 1, dtype=np.int64)
     for _ in range(_PASSES):
-        at = _linear(rows, knots, values, lead, prior)
-        slopes = np.column_stack([_mean_over(shares, at.root), at.by_lead]) / at.sd[:, None]
+        at, now = _linear(rows, knots, values, lead, prior), np.append(values, lead)
+        slopes = _slopes(place, at, m)
         target = at.target / at.sd
-        off = slopes @ np.append(np.diff(values), lead) - target
-        scale = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(off), 1e-300)))
-        design = np.concatenate([slopes * scale[:, None], known])
-        gram, moment = design.T @ design, design.T @ np.concatenate([target * scale, known_target])
+        gradient, curvature = np.zeros(m + 1), np.zeros((m + 1, m + 1))
+        add_squares(slopes @ now - target, slopes, gradient, curvature, used)
+        curvature += np.tril(curvature, -1).T
+        gram = to_values.T @ curvature @ to_values + known.T @ known
+        moment = to_values.T @ (curvature @ now - gradient) + known.T @ known_target
         unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
         gram, moment = gram * unit[:, None] * unit, moment * unit
         # the lead has no bound: what it takes of the rest comes off first
         rest = gram[:-1, :-1] - np.outer(gram[:-1, -1], gram[-1, :-1])
         lower = np.linalg.cholesky(rest + 1e-12 * np.eye(m - 1))
         rises = nnls(lower.T, np.linalg.solve(lower, moment[:-1] - gram[:-1, -1] * moment[-1]))[0]
-        values = to_values @ (rises * unit[:-1])
+        values = to_values[:m, :-1] @ (rises * unit[:-1])
         lead = float((moment[-1] - gram[-1, :-1] @ rises) * unit[-1])
-    steep = (np.diff(values) / np.diff(knots))[place.left].reshape(-1, long)
-    by_place = -_mean_over(of_knots, at.root * steep) / at.sd[:, None]
-    off = slopes @ np.append(np.diff(values), lead) - target
-    return _Solution(values, lead, slopes, by_place, off, at, known.T @ known)
+    steep = (np.diff(values) / np.diff(knots))[place.left]
+    by_place = -_over_knots(place, at.root * steep / at.sd[:, None], m)
+    off = slopes @ np.append(values, lead) - target
+    return _Solution(values, lead, slopes @ to_values, by_place, off, at, known.T @ known)
 
 
-def _mean_over(shares: np.ndarray, root: np.ndarray) -> np.ndarray:
-    return np.einsum("wlm,wl->wm", shares, root * mean_weights(root.shape[1]))
+def _placed_rows(rows: OutletRows, knots: np.ndarray) -> Place:
+    """Where travels lie among knots, (n_window, n_long) each."""
+    return Place(*(x.reshape(rows.travel.shape) for x in placed_among(knots, rows.travel.ravel())))
+
+
+def _over_knots(place: Place, factor: np.ndarray, count: int) -> np.ndarray:
+    """Means of windows of a factor in each row over the values at knots, (n_window, count)."""
+    found = np.zeros((len(factor), count))
+    over_knots(place.left, place.share, factor * mean_weights(factor.shape[1]), found)
+    return found
+
+
+def _slopes(place: Place, at: _Linear, count: int) -> np.ndarray:
+    """Of mean flows in standard deviations, over the values at knots and the lead, (n_window, count + 1)."""
+    return np.column_stack([_over_knots(place, at.root / at.sd[:, None], count), at.by_lead / at.sd])
 
 
 def _linear(rows: OutletRows, knots: np.ndarray, values: np.ndarray, lead: float, prior: OutletPrior) -> _Linear:
@@ -281,28 +299,13 @@ def _linear(rows: OutletRows, knots: np.ndarray, values: np.ndarray, lead: float
     is the factor, and what the measured drop is off from that is the noise. Elsewhere the flow is put right: the root is too small by an eighth of
     the square of the drop's relative noise, and its square, by which it is divided, is not. Windows are left as they are.
     """
-    place, drop = placed_among(knots, rows.travel.ravel()), rows.drop + lead * rows.rate - prior.p_return
-    k = at_place(values, place).reshape(drop.shape)
-    slope = (np.diff(values) / np.diff(knots))[place.left].reshape(drop.shape).mean(axis=1)
-    root, one, mean_k = np.sqrt(np.maximum(drop, 1.0)), mean_weights(drop.shape[1]), k.mean(axis=1)
-    least = np.sqrt(_LEAST_DROP * rows.noise_pressure)
-    # the mean flow of a window is no flow at its mean travel
-    flows = (rows.q_out > _LEAST_FLOW * rows.noise_flow) & (k.max(axis=1) > 1e-9) & (drop.shape[1] == 1)
-    taken = np.where(flows, np.maximum(rows.q_out / np.maximum(mean_k, 1e-12), least), root @ one)
-    share = np.sum(one**2)
-    sd = np.sqrt(
-        rows.noise_flow**2
-        + ((slope * taken * rows.noise_travel) ** 2 + (0.5 * mean_k / taken * rows.noise_pressure) ** 2) * share
-    )
-    of_pressure, of_flow = rows.noise_pressure / taken**2, 2.0 * rows.noise_flow / np.maximum(rows.q_out, 1e-12)
-    by_flow = flows & (of_pressure > of_flow)
-    target = np.where(
-        by_flow,
-        mean_k * taken - 0.5 * mean_k / taken * (drop @ one - taken**2),
-        rows.q_out * (1.0 + np.where(flows, 0.125, 0.0) * of_pressure**2),
-    )
-    by_lead = 0.5 * mean_k / taken * (rows.rate @ one)
-    return _Linear(np.where(by_flow[:, None], taken[:, None], root), target + by_lead * lead, sd, by_lead)
+    place, shape = _placed_rows(rows, knots), rows.travel.shape
+    at = _Linear(np.empty(shape), *np.empty((3, len(rows.q_out))))
+    linearise_outlet(
+        place.left, place.share, rows.drop, rows.rate, rows.q_out, mean_weights(shape[1]), values, np.diff(values) / np.diff(knots), lead, prior.p_return,
+        np.array([rows.noise_travel, rows.noise_pressure, rows.noise_flow]), at.root, at.target, at.sd, at.by_lead,
+    )  # fmt: skip
+    return at
 
 
 def _errors(found: _Solution, knots: np.ndarray, places: np.ndarray, scale: float) -> np.ndarray:
@@ -345,9 +348,9 @@ def _errors(found: _Solution, knots: np.ndarray, places: np.ndarray, scale: floa
 
 def _left_over(rows: OutletRows, knots: np.ndarray, of: _Solution, prior: OutletPrior) -> np.ndarray:
     """In standard deviations, (n_window,)."""
-    at, m = _linear(rows, knots, of.values, of.lead, prior), len(knots)
-    shares = hats(placed_among(knots, rows.travel.ravel()), m).reshape(*rows.travel.shape, m)
-    return np.asarray((_mean_over(shares, at.root) @ of.values + at.by_lead * of.lead - at.target) / at.sd)
+    at = _linear(rows, knots, of.values, of.lead, prior)
+    slopes = _slopes(_placed_rows(rows, knots), at, len(knots))
+    return np.asarray(slopes @ np.append(of.values, of.lead) - at.target / at.sd)
 
 
 def _promising(rows: OutletRows, knots: np.ndarray, now: _Solution) -> float | None:
@@ -365,7 +368,7 @@ def _promising(rows: OutletRows, knots: np.ndarray, now: _Solution) -> float | N
         ],
         axis=-1,
     )
-    new = _mean_over(tents, now.at.root) / now.at.sd[:, None]
+    new = np.einsum("wlm,wl->wm", tents, now.at.root * mean_weights(rows.travel.shape[1])) / now.at.sd[:, None]
     h = (now.slopes * now.robust[:, None]).T @ now.slopes + now.known
     cross, own = (now.slopes * now.robust[:, None]).T @ new, np.sum(new * new * now.robust[:, None], axis=0)
     g = new.T @ (now.robust * now.off)

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.identification.equations.fit.circuit_fit import (
-    HUBER,
     CircuitModel,
     CircuitRows,
     Prior,
@@ -26,6 +25,7 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     weighted,
 )
 from polydraulic.identification.equations.fit.valve_curves import with_knots_between
+from polydraulic.identification.equations.fit.weighing import HUBER
 from polydraulic.identification.equations.numbers.estimates import unhidden
 
 _CHUNK = 8192

@@ -50,15 +50,6 @@ def at_place(values: np.ndarray, place: Place) -> np.ndarray:
     return values[place.left] * (1.0 - place.share) + values[place.left + 1] * place.share
 
 
-def hats(place: Place, count: int) -> np.ndarray:
-    """Share of each knot in each row, (n_row, count)."""
-    found = np.zeros((len(place.left), count))
-    rows = np.arange(len(place.left))
-    found[rows, place.left] = 1.0 - place.share
-    found[rows, place.left + 1] += place.share
-    return found
-
-
 def rising(count: int) -> np.ndarray:
     """From rises behind the first knot to values, (count, count - 1): the first value is 0."""
     return np.tril(np.ones((count, count)))[:, 1:]
