@@ -15,6 +15,7 @@ from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
 from polydraulic.identification.arguments import models_of, parts_of, table_of
+from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.log_rows import MACHINE_UNITS
 from polydraulic.identification.plausible import check_plausible
 from polydraulic.machine.reach.tip import tip_at_joints
@@ -108,12 +109,15 @@ class Replay:
         Length of a window.
     began : float, s since 1970
         When the log's time was zero; 0 if that is not known, or its times are dates themselves.
+    doubts : tuple of str
+        Channels of the log that contradict each other, whatever the machine does.
     """
 
     windows: list[Window] = field(repr=False)
     drifts: list[Drift]
     seconds: float
     began: float = 0.0
+    doubts: tuple[str, ...] = ()
 
     def text(self, units: str = DEFAULT) -> str:
         """How far it drifts, in a table."""
@@ -121,7 +125,8 @@ class Replay:
             f"{len(self.windows)} windows of {self.seconds:g} s, each started from the measured state; "
             "largest distance in a window:"
         )
-        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts, units))])
+        doubts = [f"warning: {doubt}" for doubt in self.doubts]
+        return "\n".join([*doubts, head, *text_table(DRIFT_HEADS, drift_rows(self.drifts, units))])
 
     def __str__(self) -> str:
         return self.text()
@@ -197,7 +202,8 @@ def replay(
     windows = replayed(plant, flow, table, seconds=seconds, dt=dt, rows=rows, progress=progress)
     if not windows:
         raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
-    return Replay(windows, drifts(plant, windows), seconds, began(table))
+    doubts = tuple(doubt.text for doubt in channel_doubts(plant, table))
+    return Replay(windows, drifts(plant, windows), seconds, began(table), doubts)
 
 
 def joints_of(machine: LayoutMachine) -> list[Joint]:

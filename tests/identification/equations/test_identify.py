@@ -194,8 +194,15 @@ def test_a_sensor_without_any_value_is_as_if_it_were_not_there(true, log):
 def test_a_voltage_of_the_wrong_sign_is_named_and_changes_nothing(true, log):
     turned = Table({**log.columns, "boom.voltage": -log["boom.voltage"]}, log.units)
     found = identify(turned, rough(true), free=["functions.*.pilot.*"])
-    assert [line for line in found.kept if line.startswith("boom.voltage and boom.spool move against each other")]
-    assert not [line for line in found.kept if line.startswith("swing.voltage and")]
+    assert [
+        line for line in found.kept if line.startswith("not used: boom.voltage; boom.angle goes against boom.voltage")
+    ]
+    assert not [line for line in found.kept if "swing.voltage" in line]
+    without_angles = identify(without(turned, ".angle"), rough(true), free=["functions.*.pilot.*"])
+    told = [
+        line for line in without_angles.kept if line.startswith("boom.voltage and boom.spool move against each other")
+    ]
+    assert told
     assert found.pilots.keys() == {"swing", "stick"}
     assert not [path for path in found.changes if path.startswith("functions.boom.")]
     assert found.machine.function("boom").pilot == rough(true).function("boom").pilot

@@ -16,11 +16,12 @@ from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.identification.arguments import table_of
+from polydraulic.identification.doubts.channels import channel_doubts
+from polydraulic.identification.doubts.stuck import without_stuck
 from polydraulic.identification.equations.circuits import CircuitFound
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import Freedom, freedom
 from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data, with_seen
-from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
 from polydraulic.identification.equations.sensors import Signals, against_spools, read_function
@@ -31,6 +32,7 @@ from polydraulic.identification.equations.ways.by_pressures import find_mechanic
 from polydraulic.identification.equations.ways.by_runs import find_left, lacking_for_runs
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
+from polydraulic.identification.log_pieces import raster_within
 from polydraulic.identification.plausible import check_plausible, check_units
 from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.parameters.entries import read_toml
@@ -170,7 +172,10 @@ def identify(
     check_units(table)
     check_plausible(before, table)
     segment = _segments(table, source)
+    table, stuck = without_stuck(before, table)
     raster = raster_within(table["time"], segment)
+    doubts = channel_doubts(before, table)
+    table = _without(table, {column for doubt in doubts for column in doubt.columns})
     against = against_spools(before, table, segment)
     table = _without(table, [f"{name}.voltage" for name in against])
     simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
@@ -184,6 +189,8 @@ def identify(
             )
         so_far = SoFar(before, may, f"identified from {source}")
         so_far.kept += [f"{name}: has no value in the whole log, and is not used" for name in dead]
+        so_far.kept += stuck
+        so_far.kept += [f"not used: {', '.join(doubt.columns)}; {doubt.text}" for doubt in doubts]
         so_far.kept += [
             f"{name}.voltage and {name}.spool move against each other, so that one of them has the wrong sign: the voltage is not used; turn the "
             "wrong one where the log is imported"

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver
-from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.noise import noise_level
+from polydraulic.identification.log_pieces import raster_within
 from polydraulic.parameters.schema import Pilot
 
 _SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter

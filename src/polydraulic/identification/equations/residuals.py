@@ -14,10 +14,10 @@ from polydraulic.flow.layout.slots import residual
 from polydraulic.identification.equations.fit.circuit_fit import CircuitModel, flows_of
 from polydraulic.identification.equations.fit.valve_curves import Curves
 from polydraulic.identification.equations.identify import Identification
-from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.observations import blocks_of_time
 from polydraulic.identification.equations.pilot_fit import driven_spool, pieces_of
 from polydraulic.identification.equations.ways.by_flows import STEP_LAG
+from polydraulic.identification.log_pieces import raster_within
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor

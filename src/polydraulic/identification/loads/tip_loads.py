@@ -12,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.identification.doubts.joint_torques import torques_of_friction, torques_of_motion, weighted_sums
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, measured_pieces, oil_torques
 from polydraulic.identification.plausible import check_plausible, check_units
-from polydraulic.machine.frames import link_frames
-from polydraulic.machine.newton_euler import axis_of, needed_wrenches
 from polydraulic.machine.reach.tip import tip_jacobian
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -27,7 +26,6 @@ WINDOW = 2.0  # s, over which a load is constant
 _BLOCK = 0.25  # s, of which means are taken: what is left of a noisy acceleration in them is little
 _CORRELATED = 2.0  # blocks that one independent block stands for
 _NEAR_STOP = 0.02  # rad or m
-_FRICTION_SPREAD = 0.1  # how well friction of what moves is known
 _TRIAL = 1000.0  # kg
 _LEAST_TORQUE = 1e-9
 _FELT = 1e-9  # of the largest: squares of what joints feel
@@ -164,12 +162,12 @@ def _of_piece(machine: LayoutMachine, piece: Piece, window: float, payload: floa
     if len(piece.time) * raster < window + 2.0 * FAR * FILTER + _BLOCK:
         return []
     smooth, slope, curve = motion_filters(raster)
-    q, qd, qdd = (_passed(piece.position, weights) for weights in (smooth, slope, curve))
-    oil = _passed(oil_torques(machine, piece.position, piece.p_a, piece.p_b), smooth)
+    q, qd, qdd = (weighted_sums(piece.position, weights) for weights in (smooth, slope, curve))
+    oil = weighted_sums(oil_torques(machine, piece.position, piece.p_a, piece.p_b), smooth)
     time = piece.time[len(smooth) // 2 :][: len(q)]
-    bare = _needed(with_payload(machine, payload), q, qd, qdd)
-    more = (_needed(with_payload(machine, payload + _TRIAL), q, qd, qdd) - bare) / _TRIAL
-    friction, unsure = _friction(machine, qd)
+    bare = torques_of_motion(with_payload(machine, payload), q, qd, qdd)
+    more = (torques_of_motion(with_payload(machine, payload + _TRIAL), q, qd, qdd) - bare) / _TRIAL
+    friction, unsure = torques_of_friction(machine, qd)
     left = oil - friction - bare
     pushed = -np.swapaxes(tip_jacobian(machine, q), -1, -2)  # torques for each newton at the tip
     stops = np.array([f.stops for f in machine.functions])
@@ -188,36 +186,6 @@ def _means(values: np.ndarray, count: int) -> np.ndarray:
     """Means of so many rows each."""
     whole = len(values) // count
     return np.asarray(values[: whole * count].reshape(whole, count, *values.shape[1:]).mean(axis=1))
-
-
-def _passed(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted sums along the first axis, where all rows are there."""
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=0) @ weights)
-
-
-def _needed(machine: LayoutMachine, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-    """Torques that a motion needs, (n_row, n_function)."""
-    frames = link_frames(machine, q)
-    wrenches = needed_wrenches(machine, frames, qd, qdd, np.zeros((len(q), 3)))
-    found = np.empty_like(q)
-    for k, f in enumerate(machine.functions):
-        link = machine.link(f.moves)
-        carried = wrenches[f.name].moment if link.joint == "revolute" else wrenches[f.name].force
-        found[:, k] = (carried * axis_of(link, frames)).sum(axis=1)
-    return found
-
-
-def _friction(machine: LayoutMachine, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Friction of each joint, and its standard deviation: at rest anything up to static friction."""
-    friction, unsure = np.empty_like(rate), np.empty_like(rate)
-    for k, f in enumerate(machine.functions):
-        w, of = rate[:, k], f.friction
-        level = of.coulomb + (of.static - of.coulomb) * np.exp(-((w / of.stribeck) ** 2))
-        side = np.tanh(w / of.smoothing)
-        friction[:, k] = level * side + of.viscous * w
-        held = of.static / np.sqrt(3.0) * (1.0 - side**2)
-        unsure[:, k] = np.hypot(_FRICTION_SPREAD * np.abs(friction[:, k]), held)
-    return friction, unsure
 
 
 def _solved(rows: _Rows, columns: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:

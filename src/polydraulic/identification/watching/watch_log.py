@@ -10,8 +10,9 @@ import numpy as np
 from polydraulic.display import dated, moment
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import PartTimes, table_of, times_of_parts
-from polydraulic.identification.equations.log_pieces import raster_of
+from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.equations.noise import noise_level
+from polydraulic.identification.log_pieces import raster_of
 from polydraulic.identification.plausible import UNITS, check_plausible, check_units
 from polydraulic.identification.watching.fault_networks import networks_ending, networks_for
 from polydraulic.pages.text import text_table
@@ -65,6 +66,8 @@ class WatchedLog:
         Of several logs, which times are of which.
     not_judged : str
         How much of the log was not judged, and why; empty if next to nothing.
+    doubts : tuple of str
+        Channels of the log, or of the healthy one, that contradict each other: nothing that is learnt from them is to be trusted.
     """
 
     of: Watched
@@ -79,11 +82,12 @@ class WatchedLog:
     began: float = 0.0
     parts: tuple[PartTimes, ...] = ()
     not_judged: str = ""
+    doubts: tuple[str, ...] = ()
 
     @property
     def faulty(self) -> bool:
-        """Whether there is an alarm that is not of unusual work alone."""
-        return any(not (alarm.suspects and alarm.suspects[0].harmless) for alarm in self.alarms)
+        """Whether there is an alarm that is not of unusual work alone, or a contradiction between channels."""
+        return bool(self.doubts) or any(not (alarm.suspects and alarm.suspects[0].harmless) for alarm in self.alarms)
 
     def text(self) -> str:
         """What was found, and what could not be told."""
@@ -92,6 +96,7 @@ class WatchedLog:
             f"{self.source}: {minutes:.1f} min of {self.of.machine.title} watched by {len(self.of.columns)} sensors, "
             f"{len(self.findings)} faults; what is to be expected from {self.healthy}"
         ]
+        lines += [f"warning: {doubt}" for doubt in self.doubts]
         if self.not_judged:
             lines.append(f"not judged: {self.not_judged}")
         if self.alarms:
@@ -206,6 +211,7 @@ def watch_log(
     plant = as_machine(machine)
     table, source = _checked(log, plant)
     columns = watched_columns(plant, table, source, sensors)
+    doubts = [doubt.text for doubt in channel_doubts(plant, _with_columns(table, columns))]
     raster = raster_of(table)
     of = watched(plant, columns, raster)
     progress("learn", 0, 1)
@@ -220,6 +226,7 @@ def watch_log(
                 f"{name} has a row every {raster_of(known):g} s, {source} every {raster:g} s: import both on one raster"
             )
         own, first = np.ones(len(known), dtype=bool), 0
+        doubts += [f"{name}: {doubt.text}" for doubt in channel_doubts(plant, _with_columns(known, columns))]
         words = f"{len(known)} rows of {name}"
     else:
         known, begin = table, float(table["time"][0])
@@ -257,6 +264,7 @@ def watch_log(
         began(table),
         times_of_parts(table),
         _not_judged(table, first, len(starts), of.shape),
+        tuple(doubts),
     )
 
 
@@ -309,6 +317,12 @@ def watched_columns(
                 f"--sensors {pattern!r}: no column of {source} is called so; it has {', '.join(found) or 'none'}"
             )
     return tuple(name for name in found if any(fnmatchcase(name, pattern) for pattern in sensors))
+
+
+def _with_columns(table: Table, columns: Sequence[str]) -> Table:
+    """A log with the columns that are watched alone."""
+    kept = [name for name in table.names if name in ("time", "segment", *columns)]
+    return Table({name: table[name] for name in kept}, {name: table.unit(name) for name in kept}, table.info)
 
 
 def _segment(table: Table) -> np.ndarray:

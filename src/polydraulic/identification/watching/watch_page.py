@@ -65,6 +65,7 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
     parts = [
         f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
         f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
+        *(f"<p>Warning: {escape(doubt)}.</p>" for doubt in found.doubts),
         *([f"<p>Not judged: {escape(found.not_judged)}.</p>"] if found.not_judged else []),
         "<h2>Alarms</h2>",
         html_table("", alarm_heads(found.alarms), alarm_rows(found.alarms, found.began, found.parts))

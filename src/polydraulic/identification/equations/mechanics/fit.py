@@ -12,7 +12,6 @@ from scipy.optimize import least_squares
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.log_pieces import in_si
 from polydraulic.identification.equations.mechanics.base_parameters import BaseParameters, base_parameters
 from polydraulic.identification.equations.mechanics.inertia import inertial_values
 from polydraulic.identification.equations.mechanics.motion_rows import (
@@ -37,6 +36,7 @@ from polydraulic.identification.equations.numbers.unbounded import (
     to_unbounded,
     unbounded,
 )
+from polydraulic.identification.log_pieces import in_si
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.tables import Table

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.log_pieces import even_pieces
 from polydraulic.identification.equations.mechanics.inertia import Inertial, torque_regressor
+from polydraulic.identification.log_pieces import even_pieces
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.simulation.layout.prepare import prepare_layout

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.log_pieces import even_pieces, in_si, raster_of
+from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, function_column, kept_quantities
 from polydraulic.tables import Table

@@ -41,8 +41,10 @@ def raster_within(time: np.ndarray, segment: np.ndarray) -> float:
 
 
 def even_pieces(table: Table, columns: Sequence[str]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Times and columns, (n_row,) and (n_row, n_column), by straight lines between rows; gaps and segments end a piece."""
-    time, raster = table["time"], raster_of(table)
+    """Times and columns, (n_row,) and (n_row, n_column), by straight lines between rows that have all of them; gaps and segments end a piece."""
+    raster, own = raster_of(table), [name for name in ("time", "segment") if name in table.names]
+    table = table.whole([*own, *columns])
+    time = table["time"]
     cuts = (np.diff(time) > _GAP * raster) | (np.diff(_segments(table)) != 0)
     found = []
     for rows in np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1):

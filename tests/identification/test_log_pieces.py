@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.log_pieces import even_pieces, in_si, raster_of
+from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of
 from polydraulic.tables import Table
 
 

@@ -1,0 +1,52 @@
+"""What the channels of a log say of each other, put together: which contradict each other, and how."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.identification.doubts.levers import lever_doubts
+from polydraulic.identification.doubts.pressures import pressure_doubts
+from polydraulic.identification.plausible import position_column
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.tables import Table
+
+
+class ChannelDoubt(NamedTuple):
+    """A contradiction between channels of a log.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        That cannot all be right, the one least to be trusted first.
+    text : str
+        What contradicts what, by how much, and what to do.
+    """
+
+    columns: tuple[str, ...]
+    text: str
+
+
+def channel_doubts(machine: LayoutMachine, table: Table) -> list[ChannelDoubt]:
+    """Contradictions between the channels of a log, whatever each says alone.
+
+    A joint goes the way its valve is open for, and what the oil pushes with is what motion, weight and friction ask for. Both hold of every
+    machine that is near to its file, whatever its valves are like; a turned sign, exchanged channels, a factor of ten show far beyond what a
+    fault or a wrong guess does. Where a log has too few moves to tell, nothing is said.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    table : Table
+        The log, in SI, with times that rise.
+
+    Returns
+    -------
+    list of ChannelDoubt
+    """
+    if len(table) < 3 or not np.all(np.diff(table["time"]) > 0.0):
+        return []
+    found = list(lever_doubts(machine, table))
+    places = {position_column(machine, f) for f in machine.functions}
+    if not any(places.intersection(columns) for columns, _ in found):  # torques need positions that are right
+        found += pressure_doubts(machine, table)
+    return [ChannelDoubt(*doubt) for doubt in found]

@@ -1,0 +1,39 @@
+"""Torques at joints: what a motion needs, and what friction takes."""
+
+import numpy as np
+
+from polydraulic.machine.frames import link_frames
+from polydraulic.machine.newton_euler import axis_of, needed_wrenches
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+FRICTION_SPREAD = 0.1  # how well friction of what moves is known
+
+
+def torques_of_motion(machine: LayoutMachine, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+    """Torques that a motion needs, (n_row, n_function), in N m or N, from positions, rates and accelerations of that shape."""
+    frames = link_frames(machine, q)
+    wrenches = needed_wrenches(machine, frames, qd, qdd, np.zeros((len(q), 3)))
+    found = np.empty_like(q)
+    for k, f in enumerate(machine.functions):
+        link = machine.link(f.moves)
+        carried = wrenches[f.name].moment if link.joint == "revolute" else wrenches[f.name].force
+        found[:, k] = (carried * axis_of(link, frames)).sum(axis=1)
+    return found
+
+
+def torques_of_friction(machine: LayoutMachine, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Friction of each joint, and its standard deviation: at rest anything up to static friction."""
+    friction, unsure = np.empty_like(rate), np.empty_like(rate)
+    for k, f in enumerate(machine.functions):
+        w, of = rate[:, k], f.friction
+        level = of.coulomb + (of.static - of.coulomb) * np.exp(-((w / of.stribeck) ** 2))
+        side = np.tanh(w / of.smoothing)
+        friction[:, k] = level * side + of.viscous * w
+        held = of.static / np.sqrt(3.0) * (1.0 - side**2)
+        unsure[:, k] = np.hypot(FRICTION_SPREAD * np.abs(friction[:, k]), held)
+    return friction, unsure
+
+
+def weighted_sums(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Along the first axis, where all rows are there."""
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=0) @ weights)

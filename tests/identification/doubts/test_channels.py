@@ -1,0 +1,59 @@
+"""What is said of channels that contradict each other, by all who read a log of a machine."""
+
+import pytest
+
+from helpers.machine_log import changed, machine_log
+from polydraulic import InputError, load_machine
+from polydraulic.identification import identify, replay, watch_log
+from polydraulic.identification.doubts.channels import channel_doubts
+from polydraulic.tables import Table
+
+
+@pytest.fixture(scope="module")
+def true():
+    return load_machine("cat215b")
+
+
+@pytest.fixture(scope="module")
+def log():
+    return machine_log(120.0)
+
+
+@pytest.fixture(scope="module")
+def turned(log):
+    return changed(log, boom_angle=-log["boom.angle"])
+
+
+def test_pressures_are_not_judged_by_positions_that_are_wrong(true, turned, log):
+    assert channel_doubts(true, log) == []
+    [doubt] = channel_doubts(true, turned)
+    assert doubt.columns == ("boom.angle",)
+    assert "boom.angle goes against boom.spool" in doubt.text
+
+
+def test_a_log_whose_times_do_not_rise_is_left_to_others(true, turned):
+    back = Table({**turned.columns, "time": turned["time"][::-1].copy()}, {})
+    assert channel_doubts(true, back) == []
+
+
+def test_identify_uses_no_channel_that_is_in_doubt(true, turned, log):
+    swapped = changed(log, boom_p_a=log["boom.p_b"], boom_p_b=log["boom.p_a"])
+    found = identify(swapped, true, free=["functions.*.valve.*", "functions.*.pilot.*"])
+    assert [line for line in found.kept if line.startswith("not used: boom.p_a, boom.p_b; torques of the oil")]
+    assert set(found.circuits) == {"series"}
+    with pytest.raises(InputError, match="nothing of this machine; .*the log has no boom.voltage, .*wrong sign"):
+        keep = [n for n in log.names if n == "time" or n.endswith((".voltage", ".angle"))]
+        levers = Table({n: -log[n] if n == "boom.voltage" else log[n] for n in keep}, log.units)
+        identify(levers, true, free=["functions.*.pilot.gain"])
+
+
+def test_replay_and_watch_say_what_contradicts_what(true, turned, log):
+    run = replay(turned, true, "iterative", seconds=50.0)
+    assert run.text().startswith("warning: boom.angle goes against boom.spool in ")
+    assert not replay(log, true, "iterative", seconds=50.0).doubts
+    watched = watch_log(log, true, healthy=turned)
+    assert "\nwarning: table: boom.angle goes against boom.spool in " in watched.text()
+    assert watched.faulty
+    assert watch_log(turned, true, healthy=log).doubts[0].startswith("boom.angle goes against boom.spool")
+    assert not watch_log(turned, true, healthy=log, sensors=["*.voltage", "*.spool"]).doubts
+    assert not watch_log(log, true, healthy=log).doubts
