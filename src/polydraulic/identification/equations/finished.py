@@ -9,6 +9,7 @@ import numpy as np
 from polydraulic.files import write_text
 from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
 from polydraulic.identification.equations.shooting.fit import ShootingStage
+from polydraulic.networks.growth.levenberg_marquardt import Reached
 from polydraulic.parameters.layout.parts import ValveCurves
 
 _RUNS = "simulation-so-far"  # no circuit can be called so
@@ -53,7 +54,12 @@ class Finished:
             if data["digest"] != self.digest:
                 return None
             parts = (np.array(data[key], dtype=np.float64) for key in ("u", "states", "noise"))
-            return ShootingStage(int(data["passes"]), int(data["steps"]), *parts)
+            reached = data["reached"]
+            return ShootingStage(
+                int(data["passes"]),
+                Reached(float(reached["damping"]), *(int(reached[key]) for key in ("attempts", "steps", "slow"))),
+                *parts,
+            )
         except (OSError, ValueError, KeyError, TypeError):  # absent, or of another version: it begins anew
             return None
 

@@ -51,6 +51,24 @@ class Damping(NamedTuple):
 FIRST_DAMPING = 1e-3
 
 
+class Reached(NamedTuple):
+    """How far a search has come after a step, besides where it is: what it goes on from as if nothing had stopped it.
+
+    Attributes
+    ----------
+    damping : float
+    attempts, steps : int
+        Evaluations, and steps that lowered the loss.
+    slow : int
+        Of these the last ones in a row that lowered it little.
+    """
+
+    damping: float = FIRST_DAMPING
+    attempts: int = 0
+    steps: int = 0
+    slow: int = 0
+
+
 def lower_loss(
     start: np.ndarray,
     here: Equations,
@@ -60,6 +78,8 @@ def lower_loss(
     max_attempts: float = inf,
     max_steps: float = inf,
     watch: Callable[[int, float], None] = lambda attempt, loss: None,
+    begun: Reached = Reached(),  # noqa: B008 - a tuple never changes
+    keep: Callable[[Reached], object] = lambda reached: None,
 ) -> tuple[np.ndarray, Equations]:
     """Lower a sum of squares.
 
@@ -72,9 +92,13 @@ def lower_loss(
         None where the loss is not below the limit, or no number. Slopes without bound end the search where it is.
     rules : Damping
     max_attempts, max_steps : float
-        Evaluations, and steps that lower the loss, at most.
+        Evaluations, and steps that lower the loss, at most, with those of `begun`.
     watch : function (attempt, loss)
         Called after each step.
+    begun : Reached
+        How far the search had come that goes on here.
+    keep : function (Reached)
+        Called after each step, too.
 
     Returns
     -------
@@ -82,9 +106,9 @@ def lower_loss(
     here : Equations
         There.
     """
-    coef, damping, raise_by = start, FIRST_DAMPING, rules.raise_by
-    attempt = steps = slow = 0
-    while attempt < max_attempts and steps < max_steps:
+    coef, raise_by = start, rules.raise_by
+    damping, attempt, steps, slow = begun
+    while attempt < max_attempts and steps < max_steps and slow != rules.last_steps:
         step, promised = _step(here, damping, rules)
         there = evaluate(coef - step, here.loss) if promised > 0.0 else None
         attempt += 1
@@ -100,7 +124,8 @@ def lower_loss(
         slow = slow + 1 if gained < rules.enough * here.loss else 0
         coef, here, steps = coef - step, there, steps + 1
         watch(attempt - 1, here.loss)
-        if slow == rules.last_steps or here.loss <= rules.perfect:
+        keep(Reached(damping, attempt, steps, slow))
+        if here.loss <= rules.perfect:
             break
     return coef, here
 

@@ -30,7 +30,7 @@ from polydraulic.identification.equations.shooting.runs import (
     window_slopes,
 )
 from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
-from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
+from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, Reached, lower_loss
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
@@ -89,8 +89,10 @@ class ShootingStage(NamedTuple):
 
     Attributes
     ----------
-    passes, steps : int
-        Passes that are done, and steps of the next one.
+    passes : int
+        That are done.
+    reached : Reached
+        How far the next one has come.
     u : (n,) array
         Coordinates of the numbers.
     states : (n_window, 4 n_function) array
@@ -99,7 +101,7 @@ class ShootingStage(NamedTuple):
     """
 
     passes: int
-    steps: int
+    reached: Reached
     u: np.ndarray
     states: np.ndarray
     noise: np.ndarray
@@ -161,19 +163,19 @@ def fit_by_shooting(
         machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most
     )
     search = _Search(machine, numbers, windows)
-    u, first, made = to_unbounded(numbers, numbers.start), 0, 0
+    u, first, reached = to_unbounded(numbers, numbers.start), 0, Reached()
     if begun is not None and search.goes_on_from(begun):
-        u, first, made = begun.u, begun.passes, begun.steps
+        u, first, reached = begun.u, begun.passes, begun.reached
     total, done = (sum(steps for _, steps in passes) for passes in (_PASSES, _PASSES[:first]))
     for number, (looser, steps) in enumerate(_PASSES[first:], first):
 
-        def told(own: int, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
+        def told(now: Reached, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
             assert search.here is not None
-            keep(ShootingStage(number, own, u, search.here.states, search.noise))
-            progress("identify", done + min(own, steps), total)
+            keep(ShootingStage(number, now, u, search.here.states, search.noise))
+            progress("identify", done + min(now.steps, steps), total)
 
-        u = search.lowered(u, looser, steps, made, told)
-        done, made = done + steps, 0
+        u = search.lowered(u, looser, steps, reached, told)
+        done, reached = done + steps, Reached()
     progress("identify", total, total)
     columns = [channel.column for channel in windows.channels]
     found = search.machine_at(u)
@@ -240,30 +242,25 @@ class _Search:
         return self.here is not None
 
     def lowered(
-        self, u: np.ndarray, looser: float, steps: int, made: int, told: Callable[[int, np.ndarray], None]
+        self, u: np.ndarray, looser: float, steps: int, reached: Reached, told: Callable[[Reached, np.ndarray], None]
     ) -> np.ndarray:
         """Coordinates with less loss, where noise is `looser` times what residuals show; some of the steps may be made already."""
         if self.here is None:
             self.noise = looser * self.noise
             self.here = self._settled(u)
-        elif not made:
+        elif not reached.steps:
             off = self.here.off.reshape(self.windows.measured.shape) * self.noise
             self._scale_to(looser * self._spread_of(off))
-        self._u, count = u, made
-
-        def watch(attempt: int, loss: float) -> None:
-            nonlocal count
-            count += 1
-            told(count, self._u)
-
+        self._u = u
         found, _ = lower_loss(
             u,
             self._equations(u, self.here),
             self._evaluate,
             _RULES,
-            max_steps=steps - made,
+            max_steps=steps,
             max_attempts=2 * steps,
-            watch=watch,
+            begun=reached,
+            keep=lambda now: told(now, self._u),
         )
         return found
 
