@@ -191,15 +191,12 @@ def _pushed(
     """
     rows = int(pilot.dead_time / step)
     late = max(pilot.dead_time - rows * step, 0.0)
-    own = np.repeat(pieces[:, 0], pieces[:, 1] - pieces[:, 0])
-    bend = np.maximum(np.arange(len(voltage)) - rows - 1, own)
-    here = voltage if pilot.dead_time <= 0.0 else np.interp(time - pilot.dead_time, time, voltage)
-    here = np.where(time - pilot.dead_time < time[own], voltage[own], here)
-    target, bent = (np.clip(pilot.gain * v, -travel, travel) for v in (here, voltage[bend]))
     keep, first, second = _weights(pilot.time_constant, late)
     keep_on, first_on, second_on = _weights(pilot.time_constant, step - late)
-    before = np.concatenate([target[:1], target[:-1]])
-    return keep * keep_on, keep_on * (first * before + second * bent) + first_on * bent + second_on * target
+    pushed = np.empty(len(voltage))
+    weights = keep_on * first, keep_on * second + first_on, second_on
+    _push(pieces, time, voltage, pilot.gain, travel, pilot.dead_time, rows, *weights, pushed)
+    return keep * keep_on, pushed
 
 
 def _weights(time_constant: float, step: float) -> tuple[float, float, float]:
@@ -209,6 +206,31 @@ def _weights(time_constant: float, step: float) -> tuple[float, float, float]:
     keep = float(np.exp(-step / time_constant))
     second = 1.0 - (1.0 - keep) * time_constant / step
     return keep, 1.0 - keep - second, second
+
+
+@driver
+def _push(
+    pieces: np.ndarray, time: np.ndarray, voltage: np.ndarray, gain: float, travel: float, dead_time: float, rows: int, of_last: float, of_bend: float,
+    of_own: float, pushed: np.ndarray,
+) -> None:  # fmt: skip
+    """What the targets of the row before, of the row since which a dead time bends the voltage, and of a row itself add to the spool."""
+    for piece in range(pieces.shape[0]):
+        begin, end = pieces[piece, 0], pieces[piece, 1]
+        last, left = 0.0, begin
+        for k in range(begin, end):
+            here, at = voltage[k], time[k] - dead_time
+            if at < time[begin] or k == begin:
+                here = voltage[begin]
+            elif dead_time > 0.0:
+                while left + 1 < k and time[left + 1] <= at:
+                    left += 1
+                here = voltage[left] + (voltage[left + 1] - voltage[left]) / (time[left + 1] - time[left]) * (
+                    at - time[left]
+                )
+            target = min(max(gain * here, -travel), travel)
+            bent = min(max(gain * voltage[max(k - rows - 1, begin)], -travel), travel)
+            pushed[k] = of_last * last + of_bend * bent + of_own * target
+            last = target
 
 
 @driver
