@@ -26,7 +26,7 @@ from show import table
 SCENARIOS = ("task", "sine", "step", "pulse")
 LIMITED = ("task", "step")
 UNITS = {"spool": "mm", "p_a": "bar", "p_b": "bar", "q_in": "l/min", "q_out": "l/min", "voltage": "V", "angle": "deg"}
-RANGES = {"mm": [-16, 16], "bar": [-10, 500], "l/min": [-400, 800], "V": [-1.2, 1.2], "deg": [-99999, 99999]}
+RANGES = {"mm": [-16, 16], "bar": [-10, 500], "l/min": [-400, 800], "V": [-1.5, 1.5], "deg": [-99999, 99999]}
 FULL, JUDGED = 1.1, 0.8  # V: full travel of all spools, and of the operators who judge
 
 
