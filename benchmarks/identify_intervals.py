@@ -1,6 +1,6 @@
 """How often 90 % intervals of identified numbers hold the truth, over short logs of a random operator with the noise of sensors.
 
-``python benchmarks/identify_intervals.py [MACHINE] [--logs N] [--first SEED]``: five minutes with all sensors and a file whose conductances are off by
+``python benchmarks/identify_intervals.py [MACHINE ...] [--logs N] [--first SEED]``: five minutes with all sensors and a file whose conductances are off by
 up to half. Nothing was chosen by these seeds. A curve is compared at its knots, within the travel of the log, where the valve is open and the
 curve is said to be known within a tenth of its largest value. Ways without flows: ``benchmarks/identify_intervals_others.py``.
 """
@@ -48,13 +48,21 @@ def listed(way, machine, seed):
 def judge(title, **ways):
     """Read the command line, and print how often intervals of each way hold the truth; a way gives kind, error and standard error."""
     parser = argparse.ArgumentParser(description=title)
-    parser.add_argument("machine", nargs="?", default="loader_crane")
+    parser.add_argument("machines", nargs="*", default=["cat215b"])
     parser.add_argument("--logs", type=int, default=20)
     parser.add_argument("--first", type=int, default=1001)
     given = parser.parse_args()
-    machine, rows = load_machine(given.machine), []
+    heads = ["way", "number", "intervals", "hold the truth", "rms error, in standard errors"]
+    for machine in given.machines:
+        rows = held(load_machine(machine), range(given.first, given.first + given.logs), ways)
+        table(f"{machine}: 90 % intervals over {given.logs} logs", heads, rows)
+
+
+def held(machine, seeds, ways):
+    """Rows of the table of a machine: of each kind of number, how many intervals there are, and how many hold the truth."""
+    rows = []
     for name, way in ways.items():
-        all_of, seeds = {}, range(given.first, given.first + given.logs)
+        all_of = {}
         found = Parallel(n_jobs=cpu_count(), return_as="generator")(delayed(listed)(way, machine, s) for s in seeds)
         for seed, own in zip(seeds, found, strict=True):
             for kind, off, sd in own:
@@ -65,8 +73,7 @@ def judge(title, **ways):
         for kind, z in all_of.items():
             share = np.mean(np.array(z) <= COVERED)
             rows.append([name, kind, str(len(z)), f"{100 * share:.0f} %", f"{np.sqrt(np.mean(np.square(z))):.2f}"])
-    heads = ["way", "number", "intervals", "hold the truth", "rms error, in standard errors"]
-    table(f"{given.machine}: 90 % intervals over {given.logs} logs", heads, rows)
+    return rows
 
 
 if __name__ == "__main__":

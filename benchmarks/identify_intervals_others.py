@@ -1,6 +1,6 @@
 """How often 90 % intervals hold the truth of masses and friction from pressures, and of numbers found through simulation.
 
-``python benchmarks/identify_intervals_others.py [MACHINE] [--logs N] [--first SEED]``: by pressures, masses and friction from five minutes of positions and
+``python benchmarks/identify_intervals_others.py [MACHINE ...] [--logs N] [--first SEED]``: by pressures, masses and friction from five minutes of positions and
 pressures; by runs, pilots, pumps and a mass from 35 s of commands and positions alone. Nothing was chosen by these seeds.
 """
 
