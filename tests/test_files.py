@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.files import Scratch, check_apart, replacing, write_text, write_texts
+from polydraulic.files import Scratch, check_apart, check_writable, replacing, write_text, write_texts
 from polydraulic.tables import Table, read_table, write_table
 
 SOURCES = Path(__file__).parents[1] / "src" / "polydraulic"
@@ -192,6 +192,21 @@ def test_what_is_written_replaces_nothing_that_is_read(tmp_path):
     check_apart(other, [there])
     check_apart(there, [])
     check_apart(there, ["task", "random:1:60"])  # names of what is no file
+
+
+def test_a_place_that_can_be_written_stays_as_it_is(tmp_path):
+    there = tmp_path / "log.csv"
+    there.write_text("1")
+    check_writable(there)
+    check_writable(tmp_path / "new.csv")
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("log.csv", "1")]
+    for wrong, words in (
+        (tmp_path, "it is a folder"),
+        (there / "a.csv", "choose a folder"),
+        (tmp_path / ("a" * 300), "name"),
+    ):
+        with pytest.raises(InputError, match=words):
+            check_writable(wrong)
 
 
 def test_every_file_is_written_in_one_way():

@@ -77,6 +77,19 @@ def check_new(path: str | Path) -> None:
         raise InputError(f"{path} is there already; choose another name, or remove it first")
 
 
+def check_writable(path: str | Path) -> None:
+    """Raise InputError if no file can be written there: before work is done that would be lost."""
+    _check_name(Path(path))
+    with _saying(f"cannot write {path}", "choose a folder you may write to"):
+        place = Path(os.path.realpath(path))
+        if place.is_dir():
+            raise InputError(f"cannot write {path}: it is a folder")
+        place.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = _beside(place)
+        temporary.unlink(missing_ok=True)
+        os.close(handle)
+
+
 def check_apart(out: str | Path, read: Iterable[str | Path]) -> None:
     """Check that what is to be written would not replace a file that it is made from.
 

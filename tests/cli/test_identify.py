@@ -50,6 +50,40 @@ def test_what_cannot_be_identified_is_one_line_and_no_file(call, silent, tmp_pat
     assert not list(tmp_path.glob("m.*"))
 
 
+@pytest.mark.parametrize("option", ["--out", "--card", "--residuals"])
+def test_a_place_where_nothing_can_be_written_is_refused_before_any_work(call, silent, tmp_path, monkeypatch, option):
+    def never(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr("polydraulic.identification.equations.identify.identify", never)
+    (tmp_path / "file").write_text("")
+    ending = {"--out": "m.toml", "--card": "m.html", "--residuals": "m.json"}[option]
+    first = "" if option == "--out" else "--out m.toml "
+    code, out, err = call(f"identify silent.csv --machine wheel_loader {first}{option} file/{ending}")
+    assert (code, out) == (2, "")
+    assert f"cannot write file/{ending}" in err
+    assert not list(tmp_path.glob("m.*"))
+
+
+def test_the_machine_to_begin_from_is_not_replaced(call, silent, tmp_path):
+    assert call("machine new m.toml --like wheel_loader")[0] == 0
+    before = (tmp_path / "m.toml").read_bytes()
+    code, _, err = call("identify silent.csv --machine m.toml --out m.toml")
+    assert code == 2
+    assert "m.toml: is the file that is read, which would be replaced" in err
+    assert (tmp_path / "m.toml").read_bytes() == before
+
+
+def test_a_log_in_which_no_lever_moves_is_not_simulated(call, silent, tmp_path):
+    log = {"time": np.arange(800) * 0.02} | {
+        f"{name}.{what}": np.zeros(800) for name in ("lift", "tilt") for what in ("voltage", "angle")
+    }
+    write_table(Table(log, {}), tmp_path / "still.csv")
+    code, _, err = call("identify still.csv --machine wheel_loader --out m.toml")
+    assert code == 2
+    assert "through simulation: kept; no lever moves in the log" in err
+
+
 def test_a_recording_of_commands_and_angles_alone_gives_pilot_and_pump(call, tmp_path):
     """From `record` to a machine file that runs, with no sensor of pressure, spool or flow."""
     sensors, channels = (

@@ -70,6 +70,7 @@ def identify(
     What comes next: `polydraulic machine check identified.toml`, then `polydraulic replay later.parquet --machine identified.toml --flow exact` runs it
     against another log.
     """
+    from polydraulic.files import check_apart, check_writable
     from polydraulic.identification.equations.card import identification_card_ending, write_identification_card
     from polydraulic.identification.equations.identify import identify as run
     from polydraulic.identification.equations.identify import toml_ending
@@ -92,6 +93,10 @@ def identify(
         identification_card_ending(card)
     if residuals is not None:
         model_ending(residuals)
+    check_apart(out, [machine])
+    for path in (out, card, residuals):
+        if path is not None:
+            check_writable(path)
     with progress_bar("identify") as progress:
         found = run(log, machine, free=free or [], parts=out.with_name(f"{out.stem}.parts"), progress=progress)
         found.write(out)

@@ -297,6 +297,13 @@ def test_finished_circuits_are_read_as_they_were(found, tmp_path):
     assert Finished(tmp_path / "parts", "other").circuit("boom") is None
     (tmp_path / "parts" / "boom.json").write_text(json.dumps({"digest": "digest"}))
     assert kept.circuit("boom") is None
+    for name, text in (("model.json", '{"models": []}'), ("notes.json", "no JSON")):
+        (tmp_path / "parts" / name).write_text(text)
+    kept.forget()
+    assert sorted(path.name for path in (tmp_path / "parts").iterdir()) == ["model.json", "notes.json"]
+    for path in (tmp_path / "parts").iterdir():
+        path.unlink()
+    kept.keep("boom", found.circuits["boom"])
     kept.forget()
     assert not (tmp_path / "parts").exists()
     assert Finished(None, "digest").circuit("boom") is None

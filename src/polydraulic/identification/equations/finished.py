@@ -72,9 +72,19 @@ class Finished:
         """Remove what was kept, once all is finished."""
         if self.folder is not None and self.folder.is_dir():
             for path in self.folder.glob("*.json"):
-                path.unlink(missing_ok=True)
+                if _is_part(path):
+                    path.unlink(missing_ok=True)
             if not any(self.folder.iterdir()):
                 self.folder.rmdir()
+
+
+def _is_part(path: Path) -> bool:
+    """Whether a file is one that was kept here: a folder may hold files of others."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(data, dict) and "digest" in data
 
 
 def _plain(item: Any) -> Any:

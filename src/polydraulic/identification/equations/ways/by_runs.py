@@ -36,7 +36,10 @@ def lacking_for_runs(machine: LayoutMachine, table: Table) -> str:
     """Why a log cannot be simulated, in words; empty if it can."""
     wanted = [name for f in machine.functions for name in (f"{f.name}.voltage", position_column(machine, f))]
     lacks = [name for name in wanted if name not in table.names]
-    return f"the log has no {', '.join(lacks)}" if lacks else ""
+    if lacks:
+        return f"the log has no {', '.join(lacks)}"
+    levers = [table.whole([name])[name] for name in wanted if name.endswith(".voltage") and table.known([name]).any()]
+    return "" if any(np.ptp(lever) > 0.0 for lever in levers) else "no lever moves in the log"
 
 
 def find_left(
