@@ -2,13 +2,19 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from polydraulic.errors import InputError
+from polydraulic.progress import Progress
 from polydraulic.terminal import loading
+
+if TYPE_CHECKING:
+    from polydraulic.identification.dynamic_fit import DynamicFit
+    from polydraulic.identification.machine.machine_fit import MachineFit
+    from polydraulic.identification.table_fit import TableFit
 
 # commands as people come to them, under what they are after
 PANELS = {
@@ -73,6 +79,34 @@ def say_written(*paths: Path | None) -> None:
     for path in paths:
         if path is not None:
             print(f"{path}: written")
+
+
+def check_endings(out: Path, card: Path | None) -> None:
+    """Refuse files that a fit cannot write before it takes its time: the model, and the card if one is asked for."""
+    from polydraulic.identification.model_card import card_ending
+    from polydraulic.networks.model.model_file import model_ending
+
+    model_ending(out)
+    if card is not None:
+        card_ending(card)
+
+
+def keep_fit(
+    found: "TableFit | DynamicFit | MachineFit",
+    out: Path,
+    card: Path | None,
+    *,
+    boxes: int,
+    units: str,
+    progress: Progress,
+) -> None:
+    """Write the models of a fit, and its card if one is asked for."""
+    from polydraulic.identification.model_card import write_card
+    from polydraulic.networks.model.model_file import save_models
+
+    save_models(found.models, out)
+    if card is not None:
+        write_card(found, card, max_boxes=boxes, units=units, progress=progress)
 
 
 def joined(texts: Iterable[str]) -> str:

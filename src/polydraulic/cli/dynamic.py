@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, UnitsOption, app, say_written
+from polydraulic.cli.application import METRIC, UnitsOption, app, check_endings, keep_fit, say_written
 from polydraulic.terminal import progress_bar
 
 
@@ -68,12 +68,8 @@ def fit_joints(
     """
     from polydraulic.cli.networks import names_in
     from polydraulic.identification.joint_fit import fit_joints as fit
-    from polydraulic.identification.model_card import card_ending, write_card
-    from polydraulic.networks.model.model_file import model_ending, save_models
 
-    model_ending(out)
-    if card is not None:
-        card_ending(card)
+    check_endings(out, card)
     read, moved = names_in(commands, "--commands"), names_in(joints, "--joints")
     more = names_in(more_inputs, "--more-inputs") if more_inputs else []
     endless = names_in(continuous, "--continuous") if continuous else []
@@ -88,9 +84,7 @@ def fit_joints(
             horizon=horizon,
             progress=progress,
         )
-        save_models(found.models, out)
-        if card is not None:
-            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+        keep_fit(found, out, card, boxes=boxes, units=units, progress=progress)
     print(found.text(units))
     say_written(out, card)
 

@@ -5,7 +5,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, FaultOption, MachineOption, UnitsOption, app, say_written
+from polydraulic.cli.application import (
+    METRIC,
+    FaultOption,
+    MachineOption,
+    UnitsOption,
+    app,
+    check_endings,
+    keep_fit,
+    say_written,
+)
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -248,12 +257,8 @@ def fit_machine(
     What comes next: `polydraulic replay later.parquet --model machine.json` runs the machine against another log.
     """
     from polydraulic.identification.machine.machine_fit import fit_machine as fit
-    from polydraulic.identification.model_card import card_ending, write_card
-    from polydraulic.networks.model.model_file import model_ending, save_models
 
-    model_ending(out)
-    if card is not None:
-        card_ending(card)
+    check_endings(out, card)
     with progress_bar("fit-machine") as progress:
         found = fit(
             table,
@@ -264,9 +269,7 @@ def fit_machine(
             min_blocks=blocks,
             progress=progress,
         )
-        save_models(found.models, out)
-        if card is not None:
-            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+        keep_fit(found, out, card, boxes=boxes, units=units, progress=progress)
     print(found.text(units))
     say_written(out, card)
 

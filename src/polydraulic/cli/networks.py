@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.application import METRIC, UnitsOption, app, joined, say_written, values_by_name
+from polydraulic.cli.application import (
+    METRIC,
+    UnitsOption,
+    app,
+    check_endings,
+    joined,
+    keep_fit,
+    say_written,
+    values_by_name,
+)
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -95,15 +104,11 @@ def fit(
     as C code, FMU or ONNX.
     """
     from polydraulic.identification.dynamic_fit import fit_dynamic
-    from polydraulic.identification.model_card import card_ending, write_card
     from polydraulic.identification.table_fit import fit_table
     from polydraulic.networks.growth.regressor import AbductiveRegressor
-    from polydraulic.networks.model.model_file import model_ending, save_models
 
-    model_ending(out)
+    check_endings(out, card)
     names, targets = names_in(inputs, "--inputs"), names_in(outputs, "--outputs")
-    if card is not None:
-        card_ending(card)
     settings: dict[str, Any] = {} if layers is None else {"max_layers": layers}
     settings |= {} if cpm is None else {"cpm": cpm}
     if prior is not None:
@@ -133,9 +138,7 @@ def fit(
                 table, names, targets, edges=borders, max_regions=regions, deadbands=deadbands, estimator=estimator,
                 progress=progress,
             )  # fmt: skip
-        save_models(found.models, out)
-        if card is not None:
-            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+        keep_fit(found, out, card, boxes=boxes, units=units, progress=progress)
     print(found.text(units))
     say_written(out, card)
 
