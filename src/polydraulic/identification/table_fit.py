@@ -14,7 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, parts_of, table_of
 from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged
 from polydraulic.measure.log_units import conversion_shown
-from polydraulic.networks.growth.far_values import far_values_told_elsewhere
+from polydraulic.networks.growth.far_values import far_values_untold
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.growth.synthesis import FEWEST_ROWS
 from polydraulic.networks.growth.workers import in_processes, one_after_the_other
@@ -243,7 +243,7 @@ def _of_bounds(found: OutputFit, table: Table, units: str, *, told: bool) -> lis
 def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray, tuple[np.ndarray, ...]]) -> list[RegionRegressor]:
     """Of some rows, and of others in the regions that these gave, so that errors of the first are stated of the same regions."""
     regressor, X, y, (first, *others) = work
-    with far_values_told_elsewhere():
+    with far_values_untold():
         fitted = regressor.fit(X[first], y[first])
         return [fitted, *(fitted.refitted(X[rows], y[rows]) for rows in others)]
 

@@ -96,8 +96,8 @@ def warn_of_far_values(y: np.ndarray, stacklevel: int) -> None:
 
 
 @contextmanager
-def far_values_told_elsewhere() -> Iterator[None]:
-    """Context of fits to parts of the rows, whose numbers are not those of the whole, which were looked at before."""
+def far_values_untold() -> Iterator[None]:
+    """Context of fits to parts of rows that were looked at as a whole before, and to what a function answers, which is no damaged measurement."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FarTargetWarning)
         yield

@@ -15,6 +15,7 @@ from sklearn.base import clone
 from sklearn.utils import check_random_state
 
 from polydraulic.errors import InputError
+from polydraulic.networks.growth.far_values import far_values_untold
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.fitted import checked_box
 from polydraulic.networks.model.model import Model, Variable
@@ -184,7 +185,8 @@ def learn_from(
             settings.set_params(output_bounds=_bounds(known.y))
 
         def examined(learnt: _Points, known: _Points) -> _Region:
-            fitted = clone(settings).fit(*learnt)
+            with far_values_untold():
+                fitted = clone(settings).fit(*learnt)
             model = fitted.to_model()
             error = known.errors(model)
             if error.max() <= patience * tolerance:

@@ -9,7 +9,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from polydraulic.errors import InputError
 from polydraulic.networks.blas_threads import one_blas_thread
-from polydraulic.networks.growth.far_values import far_values_told_elsewhere, warn_of_far_values
+from polydraulic.networks.growth.far_values import far_values_untold, warn_of_far_values
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
@@ -222,7 +222,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             domain = np.clip(np.asarray(base.domain, dtype=np.float64), box[:, :1], box[:, 1:])
             estimator.set_params(domain=list(map(tuple, domain.tolist())))
         try:
-            with far_values_told_elsewhere():
+            with far_values_untold():
                 return estimator.fit(*own)
         except ValueError as error:
             raise InputError(str(error) if name == "everywhere" else f"region {name}: {error}") from error
