@@ -6,7 +6,8 @@ FOLDER holds ``rc_excavator/manual_1.csv.gz`` to ``manual_5.csv.gz``: a hydrauli
 with an irregular clock; commands of the valves, strokes of the cylinders, angle of the swing. Logs go through the import, onto a raster of 50 ms.
 Windows of 10 s and 30 s begin every half second, from 2 s on, as far as models with play look back; the error at their end, mean over windows,
 is given in % of the joint's range in the logs that were learnt from. The swing is said to turn without end. Runs 4 and 5 play no part in any
-choice. The last row is learnt from these two themselves: what models of this form can do at all, next to which the row above shows how much
+choice. Joint models go by how strong the rows before a window, as far back as the log's first, show the joints to be; a row of the table has them without.
+ARX models have nothing of the kind. The last row is learnt from these two themselves: what models of this form can do at all, next to which the row above shows how much
 differs from run to run. A last table judges each of runs 1 to 3 by a model of the other two, which all choices go by, and by one of
 itself, which says what is left where a model has seen how strong the machine was that day.
 """
@@ -14,6 +15,7 @@ itself, which says what is left where a model has seen how strong the machine wa
 import argparse
 import tempfile
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,14 +83,14 @@ def show(learnt, judged, networks):
         ]
         print(f"| {name} | {' / '.join(map(str, sizes))} | {' | '.join(cells)} | {seconds:.0f} |", flush=True)
 
-    row("last value held", [0] * 4, 0.0, lambda signals, a, b: signals[a - 1, 4:])
+    row("last value held", [0] * 4, 0.0, lambda signals, a, b, low: signals[a - 1, 4:])
     for name, own in (("ARX(3, 3) of all signals", False), ("ARX(3, 3) of its own signals", True)):
         coef, seconds = timed(lambda own=own: arx(learnt, own))
         row(
             name,
             [int((column != 0.0).sum()) for column in coef[0].T],
             seconds,
-            lambda s, a, b, c=coef: run_arx(c, s, a, b),
+            lambda s, a, b, low, c=coef: run_arx(c, s, a, b),
         )
     fits = [("joint models (`fit_joints`)", joint_models, learnt)]
     if networks:
@@ -97,15 +99,30 @@ def show(learnt, judged, networks):
     for name, fit, logs in fits:
         found, seconds = timed(lambda fit=fit, logs=logs: fit(logs, COMMANDS, JOINTS))
         row(name, [model.n_coefficients for model in found.models], seconds, free_run_of(found.models))
+        if fit is joint_models:
+            same = without_strength(found.models)
+            row(
+                f"{name}, always as strong as in the mean", [m.n_coefficients for m in same], seconds, free_run_of(same)
+            )
         if logs is learnt and fit is joint_models:
+            strengths = [(model.output.name, model.dynamics.strength) for model in found.models]
             responses = [one.training["response"] for one in found.models]
     print("\n".join(f"\n{name}: {response}" for name, response in zip(JOINTS, responses, strict=True)), flush=True)
+    print("\n### How much strengths differ among runs 1 to 3, standard deviation in %\n")
+    print("| joint | both ways | one way against the other | memory in s |\n|---|---|---|---|")
+    for name, s in strengths:
+        print(f"| {name} | {100.0 * s.spread:.1f} | {100.0 * s.lean:.1f} | {s.memory * RASTER:.0f} |", flush=True)
     return responses
 
 
 def joint_models(logs, commands, joints):
     """`fit_joints` with a swing that turns without end."""
     return fit_joints(logs, commands, joints, continuous=ENDLESS)
+
+
+def without_strength(models):
+    """The same models, whose joints are always as strong as in the mean."""
+    return [replace(model, dynamics=replace(model.dynamics, strength=None)) for model in models]
 
 
 def show_left_out(logs):
@@ -117,12 +134,16 @@ def show_left_out(logs):
         ("of the other two", lambda log: [o for o in logs if o is not log]),
         ("of itself", lambda log: [log]),
     ):
-        errors = {length: [] for length in SECONDS}
+        kinds = ("", ", always as strong as in the mean")
+        errors = {(kind, length): [] for kind in kinds for length in SECONDS}
         for log in logs:
-            run = free_run_of(joint_models(learnt(log), COMMANDS, JOINTS).models)
-            for length, found in errors.items():
-                found.append(ends(run, log, round(length / RASTER)).mean(axis=0) / scale)
-        print(f"| {name} | {' | '.join(in_percent(np.mean(found, axis=0)) for found in errors.values())} |", flush=True)
+            models = joint_models(learnt(log), COMMANDS, JOINTS).models
+            runs = dict(zip(kinds, map(free_run_of, (models, without_strength(models))), strict=True))
+            for (kind, length), found in errors.items():
+                found.append(ends(runs[kind], log, round(length / RASTER)).mean(axis=0) / scale)
+        for kind in kinds:
+            cells = [in_percent(np.mean(errors[kind, length], axis=0)) for length in SECONDS]
+            print(f"| {name}{kind} | {' | '.join(cells)} |", flush=True)
 
 
 def show_speeds(logs, responses):
@@ -165,17 +186,18 @@ def in_percent(shares):
 
 
 def free_run_of(models):
-    """Runs from row `a` to row `b`: signals at its end."""
+    """Runs from row `a` to row `b` of a log that begins in row `low`: joints at their end."""
     loop = prepare_loop(models, [*COMMANDS, *JOINTS])
-    return lambda signals, a, b: run_windows(loop, signals[:b], [(a, b)])[b - 1]
+    before = max(model.dynamics.warm_up for model in models)
+    return lambda signals, a, b, low: run_windows(loop, signals[:b], [(a, b)], [min(low + before, a)])[b - 1]
 
 
 def ends(run, log, horizon):
     """Size of the error at the end of each window, (n_window, n_joint)."""
     signals = log.matrix([*COMMANDS, *JOINTS])
     spans = spans_of(log["segment"], np.ones(len(log), dtype=bool))
-    starts = [a for low, high in spans for a in range(low + FIRST, high - horizon + 1, EVERY)]
-    return np.abs([run(signals, a, a + horizon) - signals[a + horizon - 1, 4:] for a in starts])
+    starts = [(a, low) for low, high in spans for a in range(low + FIRST, high - horizon + 1, EVERY)]
+    return np.abs([run(signals, a, a + horizon, low) - signals[a + horizon - 1, 4:] for a, low in starts])
 
 
 READS = [(column, step) for step in (1, 2, 3) for column in range(8)]

@@ -10,8 +10,8 @@ EDGES = ((0.3, -0.2), (0.25, -0.35))  # of both dead zones
 FULL = 0.8
 
 
-def joint_log(n=3000, seed=0, *, stop=1.2, noise=0.003, gap=True):
-    """Two levers and two joints; the first one meets a stop at `stop`."""
+def joint_log(n=3000, seed=0, *, stop=1.2, noise=0.003, gap=True, speed=1.0):
+    """Two levers and two joints; the first one meets a stop at `stop`. They go at `speed` of their usual one."""
     rng = np.random.default_rng(seed)
     levers = np.stack([_lever(rng, n) for _ in range(2)])
     moved, place, joints = np.zeros(2), np.zeros(2), np.zeros((2, n))
@@ -21,7 +21,7 @@ def joint_log(n=3000, seed=0, *, stop=1.2, noise=0.003, gap=True):
         open_ = [_opening(x, *edges) for x, edges in zip(moved, EDGES, strict=True)]
         share = 1.0 - 0.3 * abs(open_[1]), 1.0 - 0.2 * abs(open_[0])
         rate = 0.05 * open_[0] * share[0] * (1.0 + 0.2 * place[0]), 0.04 * open_[1] * share[1] * (1.0 - 0.3 * place[0])
-        place = np.clip(place + rate, [-1.5, -2.0], [stop, 2.0])
+        place = np.clip(place + speed * np.array(rate), [-1.5, -2.0], [stop, 2.0])
         joints[:, t] = place
     read = 0.002 * np.round((joints + rng.normal(scale=noise, size=joints.shape)) / 0.002)
     time = RASTER * np.arange(n)

@@ -25,7 +25,7 @@ from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, spans_o
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import BLOCKS, blocks_of_parts, held_blocks
 from polydraulic.networks.intervals import half_width
-from polydraulic.networks.model.lag_words import lags_in_words, rows_in_words
+from polydraulic.networks.model.lag_words import lags_in_words, rows_in_words, strength_in_words
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
 from polydraulic.networks.model.shown_model import shown_model
@@ -252,6 +252,7 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     found = [f"{runs} of up to {fit.held.longest} rows{seconds} that were held out"]
     response: Any = model.training.get("response")
     found += [response_in_words(response)] if response else []
+    found += [strength_in_words(model.dynamics)] if model.dynamics and model.dynamics.strength else []
     if np.isfinite(fit.half_width):
         few = ": the blocks differ too much to rely on them" if fit.covered < LEVEL - _FEWER else ""
         found.append(

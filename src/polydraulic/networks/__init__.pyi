@@ -5,7 +5,7 @@ from .dynamic.joint_regressor import JointRegressor
 from .growth.classifier import AbductiveClassifier
 from .growth.regressor import AbductiveRegressor as AbductiveRegressor
 from .model.compiled import compiled
-from .model.lags import Dynamics, Lag
+from .model.lags import Dynamics, JointStrength, Lag
 from .model.model import Model, Variable, describe
 from .model.model_file import dump_models, parse_models
 from .model.model_file import load_models as load_models
@@ -26,6 +26,7 @@ __all__ = [
     "DynamicRegressor",
     "Dynamics",
     "JointRegressor",
+    "JointStrength",
     "Lag",
     "Learnt",
     "Model",

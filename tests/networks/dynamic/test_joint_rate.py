@@ -32,7 +32,7 @@ def joint(*, slow=slice(0, 0), stop=np.inf, weak=False):
 def learnt(signals, *, away=None, most=5, known=(2, 5), offered=(3, 4)):
     frame = frame_of(signals, 1, [(c, int(c > 2)) for c in range(6)], SPANS, 0.02, n_raw=3)
     away = np.ones(N, dtype=bool) if away is None else away
-    terms, error = learn_rate(frame, Factors((0, 1), known, offered), SPANS, away, 16, 200, 4, most)
+    terms, error, _ = learn_rate(frame, Factors((0, 1), known, offered), SPANS, away, 16, 200, 4, most)
     coef = {tuple(one): float(c) for one, c in zip(terms.factors.tolist(), terms.coef, strict=True)}
     return frame, coef, error
 

@@ -1,3 +1,6 @@
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,7 +65,9 @@ def test_play_is_in_the_network_as_it_was_found():
     assert model.responses_[0].play == pytest.approx(0.24, abs=0.05)
     first = model.warm_up_
     assert first > 2 * 16  # play is remembered for longer than the longest lag
-    moved = (model.simulate(lever[:, None], joint, horizon=1) - np.concatenate([[0.0], joint[:-1]]))[first:]
+    moved = (always_usual(model).simulate(lever[:, None], joint, horizon=1) - np.concatenate([[0.0], joint[:-1]]))[
+        first:
+    ]
     ramps = model.responses_[0].ramps(lever)[first:]
     powers = np.column_stack([ramps, ramps**2, ramps**3, ramps * joint[first - 1 : -1, None], ramps.prod(axis=1)])
     coef = np.linalg.lstsq(powers, moved, rcond=None)[0]
@@ -83,6 +88,28 @@ def test_the_model_is_one_like_any_other(fitted, tmp_path):
     assert np.array_equal(np.column_stack([found["a"], found["b"]]), fitted.simulate(X, y))
     low, high = (getattr(model_bounds(models[0], max_boxes=50), end) for end in ("low", "high"))
     assert models[0].networks[0].y_low <= low < high <= models[0].networks[0].y_high
+
+
+def always_usual(fitted):
+    """The same joints, always as strong as in the mean."""
+    found = copy(fitted)
+    found.models_ = [replace(m, dynamics=replace(m.dynamics, strength=None)) for m in fitted.models_]
+    return found
+
+
+def test_a_slower_day_is_seen_in_measured_rows():
+    days = [parts(joint_log(n=1500, seed=seed, gap=False, speed=speed)) for seed, speed in enumerate((1.0, 0.9, 1.1))]
+    X, y = (np.concatenate([day[k] for day in days]) for k in (0, 1))
+    fitted = JointRegressor(horizon=100, max_terms=1, raster=0.05).fit(X, y, np.repeat([0, 1, 2], 1500))
+    assert all(0.05 < model.dynamics.strength.spread < 0.4 for model in fitted.models_)  # three days do not say more
+    X, y, _ = parts(joint_log(seed=3, gap=False, speed=0.85))
+    usual = always_usual(fitted)
+    first = fitted.warm_up_ + 200
+    runs = [one.simulate(X, y, horizon=200) for one in (fitted, usual)]
+    assert np.array_equal(runs[0][:first], runs[1][:first])  # nothing was measured before it
+    late, as_ever = (np.abs(run - y)[first + 200 :].mean(axis=0) for run in runs)
+    assert (late < 0.7 * as_ever).all()
+    assert np.array_equal(fitted.simulate(X, y), usual.simulate(X, y))
 
 
 def test_what_makes_no_sense_is_refused():

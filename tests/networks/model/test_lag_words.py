@@ -1,7 +1,9 @@
 """Lags in words."""
 
-from polydraulic.networks import Dynamics, Lag, Model, Network, Variable
-from polydraulic.networks.model.lag_words import dynamic_notes, lags_in_words
+from dataclasses import replace
+
+from polydraulic.networks import Dynamics, JointStrength, Lag, Model, Network, Variable
+from polydraulic.networks.model.lag_words import dynamic_notes, lags_in_words, strength_in_words
 
 CONSTANT = Network((), (0.0,), (1.0,), (0.0,), (1.0,), 2.0, 1.0)
 
@@ -30,3 +32,16 @@ def test_models_of_the_same_lags_share_a_note_and_static_ones_have_none():
         "and lets the output change from the last one y by -1 to 2.5, z by -1 to 2.5 at most"
     )
     assert len(dynamic_notes([dynamic("y", ("u", 1)), dynamic("z", ("u", 2), raster=None)])) == 2
+
+
+def test_what_is_known_of_strengths_is_said():
+    model = dynamic("boom", ("u", 1))
+    assert strength_in_words(model.dynamics) == ""
+    known = replace(model.dynamics, strength=JointStrength(32, 0.034, 0.051, 2560.0, 1e-4))
+    said = strength_in_words(known)
+    assert "by 3.4% both ways and 5.1% of one way against the other" in said
+    assert "for about 51.2 s;" in said
+    assert "for about 2.56e+03 rows;" in strength_in_words(replace(known, raster=None))
+    first, second = dynamic_notes([replace(model, dynamics=known), dynamic("y", ("u", 1))])
+    assert first.startswith("dynamic, a function")
+    assert second.startswith("boom: as strong as in the mean; whoever knows")

@@ -66,6 +66,8 @@ def test_files_follow_the_published_schema():
     assert list(validator.iter_errors(json.loads(change((*M, "partition"), "left"))))
     assert not list(validator.iter_errors(json.loads(dynamic())))
     assert list(validator.iter_errors(json.loads(dynamic(raster=0.0))))
+    assert not list(validator.iter_errors(json.loads(dynamic(strength=STRENGTH))))
+    assert list(validator.iter_errors(json.loads(dynamic(strength=STRENGTH | {"age": 1.0}))))
 
 
 def change(where, value):
@@ -78,6 +80,9 @@ def change(where, value):
 
 
 LAGS = [{"signal": "p", "steps": 1}, {"signal": "q", "steps": 2}]
+
+
+STRENGTH = {"rows": 32, "spread": 0.1, "lean": 0.05, "memory": 1e4, "noise": 1e-3}
 
 
 def dynamic(**other):
@@ -157,6 +162,10 @@ def test_files_of_schema_1_are_read():
         (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 1.5}]), "p is read 1.5 steps ago"),
         (dynamic(step=[1.0, -1.0]), "the smallest step 1.0 exceeds"),
         (dynamic(raster=0.0), "raster is 0.0"),
+        (dynamic(strength=STRENGTH | {"rows": 0}), "a strength over 0 rows"),
+        (dynamic(strength=STRENGTH | {"lean": 0.0}), "lean of a strength is 0.0: it is above 0"),
+        (dynamic(strength=STRENGTH | {"age": 1.0}), r"a strength of \['age', 'lean'"),
+        (dynamic(strength={"rows": 2}), "missing 'spread'|a strength of"),
         (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 10**30}]), "it may be 0 to 1000000"),
         (change((*N, "y_low"), 1e300), "y_low = 1e\\+300 exceeds y_high"),
         (change((*N, "x_scale"), [1e-310, 1.0]), "overflows in its domain"),
@@ -195,3 +204,12 @@ def test_a_partition_deeper_than_the_stack_is_one_error():
 def test_a_missing_file_is_one_error(tmp_path):
     with pytest.raises(InputError, match="cannot be read as a model file"):
         load_models(tmp_path / "none.json")
+
+
+def test_a_strength_reads_back_and_files_without_one_are_as_before():
+    (model,) = parse_models(dynamic(strength=STRENGTH), "m")
+    assert vars(model.dynamics.strength) == STRENGTH
+    assert parse_models(dump_models([model]), "m") == [model]
+    (model,) = parse_models(dynamic(), "m")
+    assert model.dynamics.strength is None
+    assert "strength" not in dump_models([model])

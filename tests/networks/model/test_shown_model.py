@@ -1,9 +1,12 @@
 """Models in units that people read: the same answers, in other units."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from polydraulic.identification.table_fit import fit_table
+from polydraulic.networks import Dynamics, JointStrength, Lag
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.shown_model import region_names, shown_model
 from polydraulic.tables import Table
@@ -36,6 +39,14 @@ def test_a_model_answers_the_same_in_other_units(fit, units, scales):
     assert [r["rms"] for r in stated["held_out_by_region"]] == pytest.approx(
         [r["rms"] / scales[2] for r in fit.model.training["held_out_by_region"]]
     )
+
+
+def test_the_noise_of_a_strength_is_in_the_unit_of_the_output(fit):
+    known = JointStrength(32, 0.03, 0.05, 1e3, 1e-4)
+    dynamics = Dynamics(tuple(Lag(v.name, 1) for v in fit.model.inputs), (-1e-3, 2e-3), 0.05, known)
+    read = shown_model(replace(fit.model, dynamics=dynamics)).dynamics
+    assert read.step == pytest.approx((-60.0, 120.0))
+    assert read.strength == replace(known, noise=pytest.approx(6.0))
 
 
 def test_borders_of_regions_have_units(fit):

@@ -1,6 +1,7 @@
 """Dynamic models on their own: each answer is read by the later ones (free run), or all is measured (one step ahead).
 
-One compiled loop serves both, and anything between: a window begins from measured rows and goes on by itself to its end.
+One compiled loop serves both, and anything between: a window begins from measured rows and goes on by itself to its end. Where models of joints
+say how their strength differs, measured rows before a window say how strong they are; nothing before it means a strength of 1.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,6 +11,15 @@ import numpy as np
 
 from polydraulic._kernel import driver
 from polydraulic.errors import InputError
+from polydraulic.networks.dynamic.joint_strength import (
+    STATES,
+    STRONGEST,
+    WEAKEST,
+    Belief,
+    StrengthNumbers,
+    after_window,
+    strength_numbers,
+)
 from polydraulic.networks.dynamic.spans import Span, answered, spans_of
 from polydraulic.networks.model.lags import Dynamics
 from polydraulic.networks.model.model import Model, pack_models
@@ -32,6 +42,11 @@ class Loop(NamedTuple):
     steps: np.ndarray  # (n_output, width) int64: and how long ago
     low: np.ndarray  # (n_output,) smallest change of an output from row to row
     high: np.ndarray
+    ends: np.ndarray  # (n_output, 2) between which an output stays
+    rows: (
+        np.ndarray
+    )  # (n_output,) int64: of a window that shows how strong a joint is; 0 where a model knows of no strength
+    numbers: np.ndarray  # (n_output, 4) `StrengthNumbers`
 
 
 def dynamics_of(model: Model) -> Dynamics:
@@ -62,6 +77,8 @@ def prepare_loop(models: Sequence[Model], signals: Sequence[str]) -> Loop:
     for k, one in enumerate(dynamics):
         column[k, : n_lag[k]] = [signals.index(lag.signal) for lag in one.lags]
         steps[k, : n_lag[k]] = [lag.steps for lag in one.lags]
+    strengths = [one.strength for one in dynamics]
+    networks = [model.networks for model in models]
     return Loop(
         table=table,
         root=np.array([moved(r.root, f) for r, f in zip(regions, firsts, strict=False)], dtype=np.int64),
@@ -75,13 +92,64 @@ def prepare_loop(models: Sequence[Model], signals: Sequence[str]) -> Loop:
         steps=steps,
         low=np.array([one.step[0] for one in dynamics]),
         high=np.array([one.step[1] for one in dynamics]),
+        ends=np.array([(min(n.y_low for n in some), max(n.y_high for n in some)) for some in networks]),
+        rows=np.array([0 if one is None else one.rows for one in strengths], dtype=np.int64),
+        numbers=np.array([(0.0,) * 4 if one is None else strength_numbers(one) for one in strengths]),
     )
 
 
 @driver
+def _follow(
+    loop: Loop, signals: np.ndarray, since: np.ndarray, start: np.ndarray, found: np.ndarray, states: np.ndarray, work: np.ndarray
+) -> None:  # fmt: skip
+    """Strengths `found` (n_window, n_output, 2), upwards and downwards, at the start of windows from rows measured `since`.
+
+    `states` (n_output, STATES): belief, then sums over the rows of a window that is not over: rates, their sizes, travel, rows, and rows at an end.
+    """
+    n_output = found.shape[1]
+    first, t = signals.shape[1] - n_output, -1
+    for w in range(start.shape[0]):
+        if w == 0 or since[w] != since[w - 1] or start[w] < t:
+            t = since[w]
+            for k in range(n_output):
+                for i in range(states.shape[1]):
+                    states[k, i] = 0.0
+                states[k, 2] = loop.numbers[k, 0] * loop.numbers[k, 0]
+                states[k, 4] = loop.numbers[k, 1] * loop.numbers[k, 1]
+        while t < start[w]:
+            for k in range(n_output):
+                if loop.rows[k] == 0:
+                    continue
+                s = states[k]
+                for i in range(loop.n_lag[k]):
+                    work[i] = signals[t - loop.steps[k, i], loop.column[k, i]]
+                regions = Regions(loop.root[k], loop.depth, loop.axis, loop.at, loop.below, loop.above)
+                y = evaluate(loop.table, choose(regions, work), work)
+                last = signals[t - 1, first + k]
+                rate = min(max(y, last + loop.low[k]), last + loop.high[k]) - last
+                s[5] += rate
+                s[6] += abs(rate)
+                s[7] += signals[t, first + k] - last
+                s[8] += 1.0
+                s[9] += 1.0 if y <= loop.ends[k, 0] or y >= loop.ends[k, 1] else 0.0
+                if s[8] >= loop.rows[k]:
+                    numbers = StrengthNumbers(
+                        loop.numbers[k, 0], loop.numbers[k, 1], loop.numbers[k, 2], loop.numbers[k, 3]
+                    )
+                    path = s[6] if s[9] == 0.0 else 0.0  # a joint at its end does not follow its valve
+                    belief = after_window(Belief(s[0], s[1], s[2], s[3], s[4]), numbers, s[5], path, s[7])
+                    s[0], s[1], s[2], s[3], s[4] = belief
+                    s[5], s[6], s[7], s[8], s[9] = 0.0, 0.0, 0.0, 0.0, 0.0
+            t += 1
+        for k in range(n_output):
+            found[w, k, 0] = min(max(1.0 + states[k, 0] + states[k, 1], WEAKEST), STRONGEST)
+            found[w, k, 1] = min(max(1.0 + states[k, 0] - states[k, 1], WEAKEST), STRONGEST)
+
+
+@driver
 def _run(
-    loop: Loop, signals: np.ndarray, start: np.ndarray, stop: np.ndarray, found: np.ndarray, work: np.ndarray
-) -> None:
+    loop: Loop, signals: np.ndarray, start: np.ndarray, stop: np.ndarray, strength: np.ndarray, found: np.ndarray, work: np.ndarray
+) -> None:  # fmt: skip
     """Answers `found` (n_row, n_output) in windows; before its start a window reads what was measured."""
     n_output = found.shape[1]
     first = signals.shape[1] - n_output
@@ -95,10 +163,33 @@ def _run(
                 regions = Regions(loop.root[k], loop.depth, loop.axis, loop.at, loop.below, loop.above)
                 y = evaluate(loop.table, choose(regions, work), work)
                 last = found[t - 1, k] if t > start[w] else signals[t - 1, first + k]
+                factor = strength[w, k, 0] if y > last else strength[w, k, 1]
+                if factor != 1.0:
+                    y = min(max(last + factor * (y - last), loop.ends[k, 0]), loop.ends[k, 1])
                 found[t, k] = min(max(y, last + loop.low[k]), last + loop.high[k])
 
 
-def run_windows(loop: Loop, signals: np.ndarray, windows: Sequence[Span]) -> np.ndarray:
+def strengths_before(
+    loop: Loop, signals: np.ndarray, windows: Sequence[Span], since: Sequence[int] | None
+) -> np.ndarray:
+    """How strong joints are at the start of windows, upwards and downwards: factors of their rates; (n_window, n_output, 2).
+
+    Parameters
+    ----------
+    loop, signals, windows, since
+        As `run_windows`.
+    """
+    ends = np.array(windows, dtype=np.int64).reshape(-1, 2)
+    found = np.ones((len(ends), len(loop.root), 2))
+    if since is not None and loop.rows.any():
+        states, work = np.zeros((len(loop.root), STATES)), np.zeros(work_size(loop.table))
+        _follow(loop, signals, np.array(since, dtype=np.int64), ends[:, 0].copy(), found, states, work)
+    return found
+
+
+def run_windows(
+    loop: Loop, signals: np.ndarray, windows: Sequence[Span], since: Sequence[int] | None = None
+) -> np.ndarray:
     """Answers in windows of rows, which begin from measured outputs and go on by themselves.
 
     Parameters
@@ -108,6 +199,9 @@ def run_windows(loop: Loop, signals: np.ndarray, windows: Sequence[Span]) -> np.
         Inputs, then measured outputs; an output is read only before the start of a window.
     windows : sequence of (start, stop)
         As many rows as the longest lag stand before each start.
+    since : sequence of int, optional
+        For each window a row from which on all is measured until it starts, with as many rows as the longest lag before it: they show how
+        strong joints are. Without it, all are as strong as in the mean.
 
     Returns
     -------
@@ -116,7 +210,8 @@ def run_windows(loop: Loop, signals: np.ndarray, windows: Sequence[Span]) -> np.
     """
     found = signals[:, signals.shape[1] - len(loop.root) :].copy()
     ends = np.array(windows, dtype=np.int64).reshape(-1, 2)
-    _run(loop, signals, ends[:, 0].copy(), ends[:, 1].copy(), found, np.zeros(work_size(loop.table)))
+    strength = strengths_before(loop, signals, windows, since)
+    _run(loop, signals, ends[:, 0].copy(), ends[:, 1].copy(), strength, found, np.zeros(work_size(loop.table)))
     return found
 
 
@@ -139,7 +234,8 @@ def free_run(
     segments : (n_row,) array-like, optional
         Labels; a new one begins a new run.
     horizon : int, optional
-        Restart from measured outputs after this many rows: 1 predicts one step ahead. All outputs are read then.
+        Restart from measured outputs after this many rows: 1 predicts one step ahead. All outputs are read then, and those before a restart
+        show how strong joints are.
 
     Returns
     -------
@@ -178,11 +274,12 @@ def simulate_spans(
             f"a segment has {min(short, default=0)} rows; a run needs more than {warm_up}, the longest lag"
         )
     windows = answered(spans, warm_up)
-    needed = np.ones(signals.shape, dtype=bool)
+    needed, since = np.ones(signals.shape, dtype=bool), [a for a, _ in windows]
     if horizon is None:
         for a, b in windows:
             needed[a:b, signals.shape[1] - len(loop.root) :] = False
     else:
+        since = [a for a, b in windows for _ in range(a, b, int(horizon))]
         windows = pieces(windows, int(horizon))
     bad = needed & ~np.isfinite(signals)
     if bad.any():
@@ -191,4 +288,4 @@ def simulate_spans(
             f"{names[column]} = {signals[row, column]} in row {row}: must be finite where a run reads it; "
             "leave such rows out and begin a new segment after them"
         )
-    return run_windows(loop, signals, windows)
+    return run_windows(loop, signals, windows, since)

@@ -6,7 +6,8 @@ log holds many of them, and one that fits badly counts by its size, not by its s
 there over as many rows as runs are meant to go on.
 
 A log of several days shows several machines: a joint that is a tenth slower than the day before would smear the shape of its rate. So each stretch of
-a log has a strength of its own for each of the joint's openings, one in the mean, which is fitted along and then left out.
+a log has a strength of its own for each of the joint's openings, one in the mean, which is fitted along and then left out. How much stretches differ, each by
+a rate that the others made, is what a model knows of strengths.
 """
 
 from collections.abc import Sequence
@@ -15,8 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.networks.dynamic.free_run import pieces
+from polydraulic.networks.dynamic.joint_strength import learn_strength, windows_of
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, run_terms
-from polydraulic.networks.dynamic.spans import Span, blocks_of, stretches_of, without
+from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, stretches_of, without
+from polydraulic.networks.model.lags import JointStrength
 
 _SCALE = 0.01  # of the joint's range: errors of the travel beyond it count by their size
 _REWEIGHED = 16  # times
@@ -28,6 +31,7 @@ _TO_ONE = (
 )
 _WEAKEST, _STRONGEST = 0.5, 2.0
 _OVERLAP = 4  # windows begin every so many parts of their length
+_LONGER = 2  # windows that show a strength are so many times as long as those that rates are fitted to
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
 
 
@@ -49,10 +53,27 @@ class Factors(NamedTuple):
     offered: tuple[int, ...]
 
 
+class Rate(NamedTuple):
+    """What is learnt of a joint.
+
+    Attributes
+    ----------
+    terms : Terms
+    error : float
+        Mean size of errors of runs through blocks held out as a part of the standard deviation.
+    strength : JointStrength or None
+        How its strength differs; None where no stretch of the log can be judged by the others. The frame's unit is that of its noise.
+    """
+
+    terms: Terms
+    error: float
+    strength: JointStrength | None
+
+
 def learn_rate(
     frame: Frame, factors: Factors, spans: Sequence[Span], away: np.ndarray, window: int, horizon: int, n_blocks: int, most: int
-) -> tuple[Terms, float]:  # fmt: skip
-    """Terms of a joint's rate, and the mean size of errors of runs through blocks held out as a part of the standard deviation.
+) -> Rate:  # fmt: skip
+    """What the openings of a joint's valve do to it, how well that runs, and how much it differs from one stretch of a log to another.
 
     Parameters
     ----------
@@ -74,7 +95,8 @@ def learn_rate(
     """
     blocks = [(without(spans, block), pieces(block, horizon)) for block in blocks_of(spans, n_blocks)]
     stretch = np.zeros(len(frame.signals), dtype=np.int64)
-    for n, part in enumerate(stretches_of(spans, n_blocks)):
+    parts = stretches_of(spans, n_blocks)
+    for n, part in enumerate(parts):
         for a, b in part:
             stretch[a:b] = n
 
@@ -99,9 +121,17 @@ def learn_rate(
             break
         best = errors[int(np.argmax(gains))]
         chosen.append(offered.pop(int(np.argmax(gains))))
-    total = np.cumsum(_design(frame, factors.own, chosen), axis=0)
+    design = _design(frame, factors.own, chosen)
+    total = np.cumsum(design, axis=0)
     coef = _fitted(frame, total, _windows(spans, away, window), stretch, len(factors.own))
-    return _terms(frame, factors.own, chosen, coef), float(best.mean())
+    seen = []
+    for part in parts:
+        rest = _windows(without(spans, part), away, window)
+        if len(rest) >= _FEWEST:
+            rates = design @ _fitted(frame, total, rest, stretch, len(factors.own))
+            seen += [windows_of(rates, frame.signals[:, -1], away, a, b, _LONGER * window) for a, b in part]
+    strength = learn_strength(seen, _LONGER * window, horizon, float(np.ptp(frame.signals[rows_of(spans), -1])))
+    return Rate(_terms(frame, factors.own, chosen, coef), float(best.mean()), strength)
 
 
 def _terms(frame: Frame, own: Sequence[int], chosen: Sequence[int], coef: np.ndarray) -> Terms:

@@ -1,6 +1,7 @@
 """JointRegressor: joints that integrate a rate, which their commands open through dead time, lag and dead zone."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,10 @@ class JointRegressor(FreeRunner):
 
     Notes
     -----
+    A model knows how much the strength of its joint, a factor of its rate each way, differs among runs of the log, or blocks of time where it is one: a run
+    that begins after measured rows goes by how strong these show the joint to be (`horizon` of `simulate`). At the start of a segment it is as in the mean. See
+    `polydraulic.networks.dynamic.joint_strength`.
+
     A run cannot grow without bound: a joint stays in its range in training, widened by a fiftieth at each end but where it was driven
     against a stop, and changes from row to row stay in theirs, widened by a tenth. Joints that turn without end may go on for ten thousand
     times their range.
@@ -221,7 +226,7 @@ class JointRegressor(FreeRunner):
         known = (*range(n_own, opened.shape[1]), *(() if k in self.continuous else (last,)))
         factors = Factors(tuple(range(n_own)), known, (*range(n_own), *range(opened.shape[1], last)))
         away = away_from_stops(signals[:, first + k], spans, response.stops)
-        terms, error = learn_rate(
+        terms, error, strength = learn_rate(
             frame, factors, targets, away, self.longest_lag, self.horizon, self.n_blocks, self.max_terms
         )
         network, reads = joint_network(frame, terms, ramps, n_own, signals, columns, targets)
@@ -231,7 +236,8 @@ class JointRegressor(FreeRunner):
         change = signals[rows, first + k] - signals[rows - 1, first + k]
         ends = float(change.min()), float(change.max())
         wider = _MARGIN * (ends[1] - ends[0])
-        dynamics = Dynamics(lags, (ends[0] - wider, ends[1] + wider), self.raster)
+        strength = strength and replace(strength, noise=strength.noise * float(frame.scale[-1]))
+        dynamics = Dynamics(lags, (ends[0] - wider, ends[1] + wider), self.raster, strength)
         inputs = tuple(Variable(str(lag)) for lag in lags)
         return Model(inputs, Variable(names[first + k]), (network,), dynamics=dynamics), len(terms.coef), error
 

@@ -15,9 +15,22 @@ def lags_in_words(dynamics: Dynamics) -> str:
     return "; ".join(f"{name} {rows_in_words(sorted(some))}" for name, some in steps.items()) + " rows ago"
 
 
+def strength_in_words(dynamics: Dynamics) -> str:
+    """How much the strength of a joint differs, and what a run makes of it; of a model without one nothing."""
+    known = dynamics.strength
+    if known is None:
+        return ""
+    lasts = f"{known.memory:.3g} rows" if dynamics.raster is None else f"{known.memory * dynamics.raster:.3g} s"
+    return (
+        f"its strength differs from one time to another by {known.spread:.1%} both ways and {known.lean:.1%} of one way against the other (standard "
+        f"deviations), and stays for about {lasts}; a run that restarts goes by what measured rows show"
+    )
+
+
 def dynamic_notes(models: Sequence[Model]) -> list[str]:
     """What an export, or a proof, of dynamic models is about, in words; nothing of static ones."""
     steps: dict[str, list[str]] = {}
+    stronger = [model.output.name for model in models if model.dynamics and model.dynamics.strength]
     for model in models:
         if model.dynamics is None:
             continue
@@ -25,11 +38,16 @@ def dynamic_notes(models: Sequence[Model]) -> list[str]:
         raster = "" if model.dynamics.raster is None else f", rows {model.dynamics.raster:g} s apart"
         change = f"{model.output.name} by {low:.6g} to {high:.6g}"
         steps.setdefault(lags_in_words(model.dynamics) + raster, []).append(change)
-    return [
+    found = [
         f"dynamic, a function of lagged values: {lags}. Whoever calls it shifts them from row to row, and lets "
         f"the output change from the last one {', '.join(changes)} at most"
         for lags, changes in steps.items()
     ]
+    if stronger:
+        found.append(
+            f"{', '.join(stronger)}: as strong as in the mean; whoever knows a joint to be weaker or stronger multiplies its change by that"
+        )
+    return found
 
 
 def rows_in_words(steps: Sequence[int]) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
-from polydraulic.networks.model.lags import Dynamics, Lag
+from polydraulic.networks.model.lags import Dynamics, JointStrength, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import KIND_NAMES, N_INPUTS, terms
 from polydraulic.networks.model.overflow import overflows
@@ -155,6 +155,7 @@ def _dynamics_data(dynamics: Dynamics) -> dict[str, Any]:
         "lags": [{"signal": lag.signal, "steps": lag.steps} for lag in dynamics.lags],
         "step": list(dynamics.step),
         "raster": dynamics.raster,
+        **({} if dynamics.strength is None else {"strength": vars(dynamics.strength)}),
     }
 
 
@@ -169,7 +170,18 @@ def _read_dynamics(data: Any, output: str, n_input: int) -> Dynamics:
     _require(low <= high, f"the smallest step {low} exceeds the largest one {high}")
     raster = None if data["raster"] is None else _floats([data["raster"]], "raster")[0]
     _require(raster is None or raster > 0.0, f"raster is {raster!r}")
-    return Dynamics(lags, (low, high), raster)
+    strength = _read_strength(data["strength"]) if "strength" in data else None
+    return Dynamics(lags, (low, high), raster, strength)
+
+
+def _read_strength(data: Any) -> JointStrength:
+    rows, names = data["rows"], ("spread", "lean", "memory", "noise")
+    _require(sorted(data) == sorted(("rows", *names)), f"a strength of {_short(sorted(data))}")
+    _require(type(rows) is int and 1 <= rows <= _MOST_STEPS, f"a strength over {_short(rows)} rows")
+    numbers = _floats([data[name] for name in names], "strength")
+    for name, value in zip(names, numbers, strict=True):
+        _require(value > 0.0, f"{name} of a strength is {value!r}: it is above 0")
+    return JointStrength(rows, *numbers)
 
 
 def _partition_data(partition: Partition) -> Any:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, shown_unit
+from polydraulic.networks.model.lags import Dynamics
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import Partition, Split, box_name
 from polydraulic.networks.model.table import UNBOUNDED, Network
@@ -36,10 +37,16 @@ def shown_model(model: Model, units: str = DEFAULT) -> Model:
         output=named[-1],
         networks=tuple(_network(network, read, given, units) for network in model.networks),
         partition=_partition(model.partition, read, units),
-        dynamics=model.dynamics and replace(model.dynamics, step=ends_in(model.dynamics.step, given, units)),
+        dynamics=model.dynamics and _dynamics(model.dynamics, given, units),
     )
     names = dict(zip(model.region_names(), region_names(found), strict=True))
     return replace(found, training=_training(model.training, names, given, units))
+
+
+def _dynamics(dynamics: Dynamics, unit: str, units: str) -> Dynamics:
+    strength = dynamics.strength
+    shown = strength and replace(strength, noise=as_shown(strength.noise, unit, units))
+    return replace(dynamics, step=ends_in(dynamics.step, unit, units), strength=shown)
 
 
 def region_names(model: Model) -> list[str]:
