@@ -1,9 +1,10 @@
 """How long `identify` takes for 25 minutes of a log, next to `fit-machine` of an earlier commit on the same rows.
 
-``python benchmarks/identify_time.py [--old FOLDER] [--rounds N]``: processor time of whole commands with all their children, which neighbours do not add
+``python benchmarks/identify_time.py [--old FOLDER] [--rounds N] [--caches FOLDER]``: processor time of whole commands with all their children, which neighbours do not add
 to; rounds are interleaved, and a ratio is the median of those within a round. `--old` is a checkout of an earlier commit with an environment
 of its own in ``.venv``. The log has every sensor of all functions of cat215b at 20 ms, noise as `record --example` has it, of an operator who drives
-spools to their ends. Both commands run once before on its first minutes, so that nothing is compiled.
+spools to their ends. Both commands run once before on its first minutes, so that nothing is compiled; not where ``--caches FOLDER`` names what
+such a run has compiled before.
 """
 
 import argparse
@@ -31,6 +32,7 @@ def main():
     parser.add_argument("--old", type=Path, help="checkout of an earlier commit, with its environment in .venv")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seed", type=int, default=6007, help="of the operator who is recorded")
+    parser.add_argument("--caches", type=Path, help="folder with `now` and `old`, of compiled functions")
     asked = parser.parse_args()
     machine = load_machine("cat215b")
     with tempfile.TemporaryDirectory() as place:
@@ -42,16 +44,17 @@ def main():
         rough = rough_machine(machine, np.random.default_rng(asked.seed))
         (folder / "rough.toml").write_text(file_text(machine_data(rough), {}, []))
         print(f"\n{len(log)} rows of {len(machine.names)} functions", flush=True)
-        builds = {"identify": Build("now", sys.executable, HERE.parent / "src", folder)}
+        home = asked.caches.resolve() if asked.caches else folder
+        builds = {"identify": Build("now", sys.executable, HERE.parent / "src", home)}
         words = {"identify": ["identify", "{}", "--machine", folder / "rough.toml", "--out", folder / "found.toml"]}
         if asked.old:
             old = asked.old.resolve()
-            builds["fit-machine"] = Build("old", old / ".venv/bin/python", old / "src", folder)
+            builds["fit-machine"] = Build("old", old / ".venv/bin/python", old / "src", home)
             words["fit-machine"] = ["fit-machine", "{}", "--out", folder / "machine.json"]
         seconds = {name: [] for name in builds}
-        for rows in ("few", *["log"] * asked.rounds):
+        for rows in (*([] if asked.caches else ["few"]), *["log"] * asked.rounds):
             for name, build in builds.items():
-                (folder / build.name).mkdir(exist_ok=True)
+                (home / build.name).mkdir(parents=True, exist_ok=True)
                 took, _ = build("-c", _COMMAND, *(folder / f"{rows}.parquet" if w == "{}" else w for w in words[name]))
                 print(f"  {rows}, {name}: {took:.1f} s", file=sys.stderr, flush=True)
                 if rows == "log":
