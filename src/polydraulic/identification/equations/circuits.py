@@ -35,6 +35,7 @@ _FEWEST, _LEAST_HELD = 500, 20
 _SPREAD = 1.0  # of a curve, as a share
 _PUMP_ROWS = 200
 _STEPS = 6
+_GROWING, _FITTED = 0.6, 0.8  # shares of the time: until knots are placed, and until outlets follow
 _LEAD = 0.02  # s, by which clocks of sensors may be apart
 _BELOW = 0.97  # of the relief setting: above, a flow falls from all to nothing within what a sensor can tell
 
@@ -146,7 +147,7 @@ def identify_circuit(
     segment: np.ndarray,
     raster: float,
     free_pump: dict[str, float],
-    tell: Callable[[str], object],
+    tell: Callable[[float, str], object],
 ) -> CircuitFound | str:
     """Curves of all valves of a circuit, and numbers of its pump; or why there are none.
 
@@ -162,7 +163,7 @@ def identify_circuit(
     free_pump : dict
         Numbers of the pump that are free, with their spreads in SI.
     tell : callable
-        Told what is being done.
+        Told about which share is done, and what is being done.
     """
     names = circuit.functions
     of = balances(machine, names, signals, segment, raster)
@@ -194,13 +195,15 @@ def identify_circuit(
         return f"only {known[1]} rows or windows say something of it, and {known[0]} of the blocks held out; {_LEAST_HELD} at least"
     prior = Prior(before, _SPREAD, {key: width for key, width in free_pump.items() if key == "flow"} | {"lead": _LEAD})
     most = MOST_KNOTS - _further_knots(valves, last)
+    fewest = sum(len(v.knots) for v in before.valves) - 2
+    tell(0.0, "first knots")
     grown = grow(
         before,
         drawn(awake[~held], LEARN_ROWS),
         drawn(awake[held], HOLD_ROWS),
         prior,
         most,
-        lambda n: tell(f"{n} knots"),
+        lambda n: tell(_GROWING * (1.0 - 0.7 ** (n - fewest)), f"{n} knots"),
     )
     without, hold = grown.model, rows.some(awake[held])
     left = mean_flows(without, hold) - hold.q_in
@@ -209,7 +212,7 @@ def identify_circuit(
         float(np.sqrt(np.mean(left[shown[:, k], k] ** 2))) if shown[:, k].any() else float("nan")
         for k in range(len(names))
     ]
-    tell("all rows")
+    tell(_GROWING, "all rows")
     every = drawn(awake, ALL_ROWS)
     prior = prior._replace(
         pump={key: free_pump[key] for key in shown_by(grown.model, every, opens) if key in free_pump} | {"lead": _LEAD}
@@ -218,7 +221,7 @@ def identify_circuit(
     spread = circuit_errors(model, every, prior)
     found = {}
     for k, name in enumerate(names):
-        tell(f"{name}: outlets")
+        tell(_FITTED + (1.0 - _FITTED) * k / len(names), f"{name}: outlets")
         found[name] = _valve(
             machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k],
             most,

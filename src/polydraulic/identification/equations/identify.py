@@ -27,9 +27,9 @@ from polydraulic.identification.equations.pilot_fit import PilotFit
 from polydraulic.identification.equations.sensors import Signals, against_spools, read_function
 from polydraulic.identification.equations.shooting.fit import ShootingFit
 from polydraulic.identification.equations.shooting.windows import run_sensors
-from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots
+from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots, refused_circuits
 from polydraulic.identification.equations.ways.by_pressures import find_mechanics
-from polydraulic.identification.equations.ways.by_runs import find_left, lacking_for_runs
+from polydraulic.identification.equations.ways.by_runs import entries_left, find_left, lacking_for_runs
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.identification.log_pieces import raster_within
@@ -41,7 +41,7 @@ from polydraulic.parameters.load import load_machine, machine_path
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import MISSING, Table
 
-_RUN_STEPS = 25  # of a progress bar, for simulation
+_RUN_STEPS, _CIRCUIT_STEPS = 75, 20  # of a progress bar, for simulation, and for a circuit
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,8 +178,9 @@ def identify(
     table = _without(table, {column for doubt in doubts for column in doubt.columns})
     against = against_spools(before, table, segment)
     table = _without(table, [f"{name}.voltage" for name in against])
-    simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
-    steps = len(before.functions) + 2 * len(before.circuits) + 1 + simulated
+    runs_well = not lacking_for_runs(before, table)
+    of_circuits, simulated = _CIRCUIT_STEPS * len(before.circuits), _RUN_STEPS if runs_well else 0
+    steps = len(before.functions) + of_circuits + 1 + simulated
     with one_blas_thread():  # matrices are narrow: threads would cost more than they do
         signals: dict[str, Signals] = {}
         for number, f in enumerate(before.functions):
@@ -199,6 +200,11 @@ def identify(
         finished = Finished(parts, _digest(table, data, may))
         at = len(before.functions)
         pilots = find_pilots(so_far, signals)
+        shown = {c.name for c in before.circuits} - set(refused_circuits(before, signals, may, len(segment)))
+        of_circuits = _CIRCUIT_STEPS * len(shown)
+        if not entries_left(SoFar(before, may, source), _taken(before, pilots, shown, None)):
+            simulated = 0
+        steps = at + of_circuits + 1 + simulated
         circuits = find_circuits(
             so_far,
             signals,
@@ -206,11 +212,16 @@ def identify(
             segment,
             raster,
             finished,
-            lambda place, what: progress(what, at + 2 * place, steps),
+            lambda place, share, what: progress(
+                what, at + min(int(_CIRCUIT_STEPS * (place + share)), of_circuits), steps
+            ),
         )
-        at += 2 * len(before.circuits)
+        at += of_circuits
+        if runs_well and not simulated and shown != set(circuits):  # a circuit whose rows say too little is left over
+            simulated = _RUN_STEPS
+            steps += simulated
         progress("masses and friction", at, steps)
-        mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not simulated)
+        mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not runs_well)
         taken = _taken(before, pilots, circuits, mechanics)
         runs = find_left(
             so_far,

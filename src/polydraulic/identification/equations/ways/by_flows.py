@@ -44,7 +44,7 @@ def find_circuits(
     segment: np.ndarray,
     raster: float,
     finished: Finished,
-    tell: Callable[[int, str], object],
+    tell: Callable[[int, float, str], object],
 ) -> dict[str, CircuitFound]:
     """Circuits whose sensors the log has; finished ones as they were.
 
@@ -56,21 +56,19 @@ def find_circuits(
     raster : float, s
     finished : Finished
     tell : callable
-        Told the place of a circuit, and what is being done.
+        Told the place of a circuit among those that are not refused, about which share of it is done, and what is being done.
     """
     machine, may, found = so_far.machine, so_far.may, {}
-    for place, circuit in enumerate(machine.circuits):
+    refused = refused_circuits(machine, signals, may, len(time))
+    so_far.lacks |= {f"circuits.{name}": why for name, why in refused.items()}
+    for place, circuit in enumerate(c for c in machine.circuits if c.name not in refused):
         rows = _known_rows(circuit, signals, len(time))
         own = {name: signals[name].at(rows) for name in circuit.functions}
-        why = _refused(machine, circuit, own, may)
-        if why:
-            so_far.lacks[f"circuits.{circuit.name}"] = why
-            continue
         known = finished.circuit(circuit.name)
         if known is None:
             fitted = identify_circuit(
                 machine, circuit, own, time[rows], segments_of(segment, rows), raster, _free_pump(circuit, may),
-                lambda what, name=circuit.name, place=place: tell(place, f"{name}: {what}"),  # type: ignore[misc]
+                lambda share, what, name=circuit.name, place=place: tell(place, share, f"{name}: {what}"),  # type: ignore[misc]
             )  # fmt: skip
             if isinstance(fitted, str):
                 so_far.lacks[f"circuits.{circuit.name}"] = fitted
@@ -81,6 +79,17 @@ def find_circuits(
         so_far.take(_circuit_changes(machine, circuit, known, may, so_far.from_log, so_far.kept))
         so_far.seen |= {name: Seen(v.seen[1], v.pressure[1]) for name, v in known.valves.items()}
     so_far.remarks += _remarks(machine, found)
+    return found
+
+
+def refused_circuits(machine: LayoutMachine, signals: dict[str, Signals], may: Freedom, n_row: int) -> dict[str, str]:
+    """Why circuits are not identified from flows, by name; those that are have no entry."""
+    found = {}
+    for circuit in machine.circuits:
+        rows = _known_rows(circuit, signals, n_row)
+        why = _refused(machine, circuit, {name: signals[name].at(rows) for name in circuit.functions}, may)
+        if why:
+            found[circuit.name] = why
     return found
 
 
