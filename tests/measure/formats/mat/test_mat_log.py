@@ -19,6 +19,39 @@ def test_matrices_are_signals_by_column(tmp_path):
     assert np.array_equal(block.values["X[2]"], np.arange(10.0, 20.0))
 
 
+@pytest.mark.parametrize("version", ["v5", "v73"])
+def test_an_array_of_structures_of_one_number_each_is_a_table(tmp_path, version):
+    """As ``table2struct`` makes one."""
+    path, time, p = tmp_path / f"{version}.mat", np.arange(6) * 0.1, np.arange(100, 106)
+    if version == "v5":
+        from scipy.io import savemat
+
+        kinds = [("time", object), ("p", object), ("note", object), ("pair", object)]
+        rows = np.array([(t, v, "x", np.array([v, t])) for t, v in zip(time, p, strict=True)], dtype=kinds)
+        savemat(path, {"s": rows[:, None]})
+    else:
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            s, refs = file.create_group("s"), file.create_group("#refs#")
+            s.attrs["MATLAB_class"] = b"struct"
+            for key, values in (
+                ("time", time[:, None, None]),
+                ("p", p[:, None, None]),
+                ("pair", np.column_stack([p, time])[:, None]),
+            ):
+                field = s.create_dataset(key, shape=(6, 1), dtype=h5py.ref_dtype)
+                for k, value in enumerate(values):
+                    refs[f"{key}{k}"] = value
+                    refs[f"{key}{k}"].attrs["MATLAB_class"] = b"double"
+                    field[k, 0] = refs[f"{key}{k}"].ref
+    with open_log(path) as log:
+        assert {s.name for s in log.signals} == {"s.time", "s.p", *(f"s[{k}].pair" for k in range(1, 7))}
+        (block,) = log.read(log.signal("s.p").group, ["s.p"], "s.time", Findings())
+    assert np.array_equal(block.time, time)
+    assert np.array_equal(block.values["s.p"], p)
+
+
 def structure_with_time(path, time, p, wide):
     """Simulink's structure with time: two signals, the second with one column for each of its elements."""
     if "v5" in path.name:

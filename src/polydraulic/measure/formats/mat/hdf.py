@@ -102,7 +102,11 @@ class _Kept:
             if self._again(name, item):
                 return
             of, _, field = name.rpartition(".")
-            for number, reference in enumerate(np.ravel(item[()].T, order="F"), 1):
+            references = np.ravel(item[()].T, order="F")
+            if len(references) > 1 and (column := self._numbers(references)) is not None:
+                self.where[name], self.lengths[name] = (column, 0, ()), len(column)
+                return
+            for number, reference in enumerate(references, 1):
                 label = f"{of}[{number}].{field}" if of else f"{field}[{number}]"
                 if reference:
                     self.keep(label, self.file[reference], rows, deep + 1)
@@ -122,6 +126,18 @@ class _Kept:
             for label, place in zip(labels(name, int(np.prod(others))), np.ndindex(others[::-1]), strict=True):
                 self.where[label] = (item, len(shape) - 1 - axis, place)
                 self.lengths[label] = shape[axis]
+
+    def _numbers(self, references: np.ndarray) -> np.ndarray | None:
+        """A number of each reference, as of an array of structures that are one row of a table each; None if there are others."""
+        found = np.empty(len(references))
+        for k, reference in enumerate(references):
+            part = self.file[reference] if reference else None
+            if not isinstance(part, self.library.Dataset) or part.size != 1 or part.dtype.kind not in "fiub":
+                return None
+            if "MATLAB_empty" in part.attrs or _kind(part) not in {"", *_NUMBERS}:
+                return None
+            found[k] = float(np.ravel(part[()])[0])
+        return found
 
 
 def _kind(item: Any) -> str:

@@ -90,6 +90,11 @@ class _Kept:
             if not parts or not all(isinstance(part, dict) for part in parts):
                 self.left_out[name] = CELL if parts else EMPTY
                 return
+            for key in parts[0]:
+                values = [part.get(key) for part in parts]
+                if len(parts) > 1 and all(isinstance(v, int | float | np.number | np.bool_) for v in values):
+                    self._array(f"{name}.{key}", np.array(values), rows)  # a number each: one row of a table each
+                    parts = [{other: v for other, v in part.items() if other != key} for part in parts]
             for number, part in enumerate(parts, 1):
                 self.keep(f"{name}[{number}]", part, rows, deep + 1)
         elif isinstance(item, np.ndarray):
