@@ -44,3 +44,18 @@ def test_the_raster_is_that_within_segments():
     assert raster_of(ends) == pytest.approx(0.1)
     with pytest.raises(InputError, match="does not rise"):
         raster_of(table_of(np.array([0.0, 0.1]), segment=np.array([0.0, 1.0])))
+
+
+def test_missing_values_of_what_is_needed_end_a_piece_and_others_stay_missing():
+    nan, time = np.nan, np.arange(10.0)
+    x = np.where(np.isin(time, [4.0]), nan, time)
+    y = np.where(np.isin(time, [2.0, 8.0]), nan, time)
+    table = table_of(time, x=x, y=y).partial()
+    (first, a), (second, b) = even_pieces(table, ["x"], ["y"])
+    assert first.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert second.tolist() == [5.0, 6.0, 7.0, 8.0, 9.0]
+    assert np.array_equal(a[:, 1], [0.0, 1.0, nan, 3.0], equal_nan=True)
+    assert np.array_equal(b[:, 1], [5.0, 6.0, 7.0, nan, 9.0], equal_nan=True)
+    assert len(even_pieces(table, ["x", "y"])) == 4
+    with pytest.raises(InputError, match="no row of the log has a value of all of z"):
+        even_pieces(table_of(time, z=np.full(10, nan)).partial(), ["z"])

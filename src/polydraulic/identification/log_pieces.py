@@ -8,6 +8,7 @@ from polydraulic.errors import InputError
 from polydraulic.tables import Table
 
 _GAP = 1.5  # rasters
+_ROUNDING = 1e-6  # of a raster: what lies on a row needs no other
 
 
 def in_si(table: Table, units: Mapping[str, str]) -> None:
@@ -40,17 +41,35 @@ def raster_within(time: np.ndarray, segment: np.ndarray) -> float:
     return float(np.median(np.diff(time)[np.diff(segment) == 0]))
 
 
-def even_pieces(table: Table, columns: Sequence[str]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Times and columns, (n_row,) and (n_row, n_column), by straight lines between rows that have all of them; gaps and segments end a piece."""
-    raster, own = raster_of(table), [name for name in ("time", "segment") if name in table.names]
-    table = table.whole([*own, *columns])
-    time = table["time"]
-    cuts = (np.diff(time) > _GAP * raster) | (np.diff(_segments(table)) != 0)
+def even_pieces(
+    table: Table, columns: Sequence[str], sometimes: Sequence[str] = ()
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Times and columns, (n_row,) and (n_row, n_column), by straight lines between rows; gaps and segments end a piece.
+
+    Of a table that declares missing values, rows in which one of `columns` lacks a value are a gap; those of `sometimes`, which
+    follow them, are NaN where they lack one.
+    """
+    keep, raster = np.flatnonzero(table.known(columns)), raster_of(table)
+    if not keep.size:
+        raise InputError(f"no row of the log has a value of all of {', '.join(columns)}")
+    time, values = table["time"][keep], [table.columns[name][keep] for name in (*columns, *sometimes)]
+    cuts = (np.diff(time) > _GAP * raster) | (np.diff(_segments(table)[keep]) != 0)
     found = []
     for rows in np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1):
         at = time[rows[0]] + raster * np.arange(int((time[rows[-1]] - time[rows[0]]) / raster + 1e-6) + 1)
-        found.append((at, np.column_stack([np.interp(at, time[rows], table[name][rows]) for name in columns])))
+        found.append((at, np.column_stack([_between(at, time[rows], column[rows]) for column in values])))
     return found
+
+
+def _between(at: np.ndarray, time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values on straight lines between rows, NaN where one of the two has none."""
+    lacks = np.isnan(values)
+    if not lacks.any():
+        return np.interp(at, time, values)
+    if lacks.all():
+        return np.full(len(at), np.nan)
+    share = np.interp(at, time, lacks.astype(float))
+    return np.where(share > _ROUNDING, np.nan, np.interp(at, time[~lacks], values[~lacks]))
 
 
 def _segments(table: Table) -> np.ndarray:

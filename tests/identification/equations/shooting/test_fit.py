@@ -8,6 +8,7 @@ from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.shooting.fit import fit_by_shooting
 from polydraulic.identification.equations.shooting.runs import joint_columns
+from polydraulic.tables import Table
 
 NAME = "wheel_loader"
 FEW = {"functions.tilt.pilot.gain": 1.15, "functions.tilt.pilot.time_constant": 0.85, "links.bucket.mass": 1.2}
@@ -42,6 +43,23 @@ def test_pilot_and_payload_from_commands_and_angles_alone():
     assert fit.before["tilt.angle"] > 2.0 * fit.noise["tilt.angle"]
     assert told[-1][1] == told[-1][2]
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
+
+
+def test_positions_that_are_silent_at_times_of_their_own_tell_as_much_as_their_rows():
+    machine, log = load_machine(NAME), operator_log(NAME)
+    prior, spreads, truth = begun(machine, FEW)
+    rng, columns = np.random.default_rng(2), dict(log.columns)
+    for name in joint_columns(machine):
+        silent = np.convolve(rng.random(len(log)) < 0.006, np.ones(25))[: len(log)] > 0.0
+        columns[name] = np.where(silent, np.nan, columns[name])
+        assert 0.05 < silent.mean() < 0.3
+    given = Table(columns, log.units).partial()
+    fit = fit_by_shooting(given, prior, spreads, sensors=joint_columns(machine), seconds=1.0, most=16)
+    for path in FEW:
+        number = fit.estimates.of(path)
+        assert number.determined
+        assert number.value == pytest.approx(truth[path], rel=0.03)
+        assert abs(number.value - truth[path]) < 5.0 * number.sd
 
 
 def test_an_unknown_sensor_and_an_unknown_number_are_refused():

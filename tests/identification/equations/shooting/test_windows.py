@@ -54,6 +54,31 @@ def test_no_window_crosses_a_gap():
     assert len(windows.command) == 2
 
 
+def test_windows_begin_where_positions_are_known_and_nothing_is_read_of_a_silent_sensor():
+    machine, log = commanded()
+    columns = dict(log.columns)
+    silent = {"slew.angle": slice(150, 160), "outer.p_a": slice(400, 500), "outer.angle": slice(700, 704)}
+    for name, rows in silent.items():
+        columns[name] = columns[name].copy()
+        columns[name][rows] = np.nan
+    found = cut_windows(machine, Table(columns, log.units).partial(), ["slew.angle", "outer.p_a"], seconds=2.0, most=50)
+    rows = np.round(found.time / 0.02).astype(int)
+    assert len(found.command) == 1  # levers are known, so that their pilots go on
+    assert len(rows) >= 7
+    for name in ("slew.angle", "outer.angle"):
+        lost = np.arange(len(log))[silent[name]]
+        for begin in (rows, rows - 50):
+            assert np.abs(begin[:, None] - lost).min() > 5  # 0.1 s
+    assert np.all(np.diff(rows) >= 100)
+    for k, name in enumerate(["slew.angle", "outer.p_a"]):
+        lost = np.isnan([columns[name][row + 1 : row + 101] for row in rows])
+        assert lost.any()
+        assert np.array_equal(np.isnan(found.measured[:, :, k]), lost)
+    whole = cut_windows(machine, log, ["slew.angle", "outer.p_a"], seconds=2.0, most=50)
+    assert [c.noise for c in found.channels] == pytest.approx([c.noise for c in whole.channels], rel=0.2, abs=1.0)
+    assert np.isfinite(found.position).all()
+
+
 def test_noise_is_what_differences_show():
     machine, log = commanded(noise=1.0)
     windows = cut_windows(machine, log, ["outer.angle", "outer.p_a"], seconds=2.0, most=50)

@@ -152,7 +152,7 @@ def fit_by_shooting(
         As `cut_windows` and `unbounded`; a sensor that the log or a run does not have; runs that diverge with the numbers to begin with.
     """
     numbers = unbounded(machine, spreads)
-    table, source = table_of(log, None)
+    table, source = table_of(log, None, partial=True)
     known = sensors_of(machine, table)
     unknown = [name for name in sensors or () if name not in known]
     if unknown:
@@ -213,14 +213,16 @@ class _Search:
 
     def __init__(self, machine: LayoutMachine, numbers: Unbounded, windows: Windows) -> None:
         self.machine, self.numbers, self.windows = machine, numbers, windows
+        self.heard = ~np.isnan(windows.measured)  # nothing is compared elsewhere
+        self.measured = np.where(self.heard, windows.measured, 0.0)
         self.first = first_states(machine, windows)
         self.state_spread = state_spreads(windows)
         start = shoot(machine, windows, self.first)
         if start is None:
             raise InputError(
-                "the machine diverges from the states of the log; bring the numbers to begin with nearer to it"
+                "the machine diverges from the states of the log; bring its numbers to begin with nearer to it"
             )
-        self.before = self.noise = self._spread_of(start - windows.measured)
+        self.before = self.noise = self._spread_of(start - self.measured)
         self.here: _Here | None = None
 
     def machine_at(self, u: np.ndarray) -> LayoutMachine:
@@ -230,7 +232,8 @@ class _Search:
     def _spread_of(self, off: np.ndarray) -> np.ndarray:
         """Robust standard deviation of each channel, not below the sensor's own noise."""
         least = np.array([channel.noise for channel in self.windows.channels])
-        return np.maximum(1.4826 * np.median(np.abs(off), axis=(0, 1)), least)
+        own = [np.abs(off[self.heard[..., k], k]) for k in range(len(least))]
+        return np.maximum([1.4826 * float(np.median(values)) if len(values) else 0.0 for values in own], least)
 
     def goes_on_from(self, begun: ShootingStage) -> bool:
         """Take states and noise of a search that was interrupted; not those of other numbers, windows or sensors."""
@@ -266,7 +269,7 @@ class _Search:
 
     def _scale_to(self, noise: np.ndarray) -> None:
         assert self.here is not None
-        scale = np.broadcast_to(self.noise / noise, self.windows.measured.shape).reshape(len(self.here.off), -1)
+        scale = np.broadcast_to(self.noise / noise, self.heard.shape).reshape(len(self.here.off), -1)
         states, off, over_numbers, over_states = self.here
         self.here = _Here(states, off * scale, over_numbers * scale[..., None], over_states * scale[..., None])
         self.noise = noise
@@ -324,22 +327,23 @@ class _Search:
     def _off(self, machine: LayoutMachine, states: np.ndarray, driven: Driven | None = None) -> np.ndarray | None:
         """Residuals over noise, (n_window, m); None where runs diverge."""
         rows = shoot(machine, self.windows, states, driven)
-        return None if rows is None else ((rows - self.windows.measured) / self.noise).reshape(len(rows), -1)
+        off = (rows - self.measured) / self.noise if rows is not None else None
+        return None if off is None else np.where(self.heard, off, 0.0).reshape(len(off), -1)
 
     def _at(
         self, u: np.ndarray, states: np.ndarray, off: np.ndarray | None = None, paths: Sequence[str] | None = None
     ) -> _Here | None:
-        machine, windows = self.machine_at(u), self.windows
+        machine = self.machine_at(u)
         off = self._off(machine, states) if off is None else off
         if off is None:
             return None
-        rows = off.reshape(windows.measured.shape) * self.noise + windows.measured
+        rows = off.reshape(self.measured.shape) * self.noise + self.measured
         wanted = self.numbers.paths if paths is None else paths
-        found = window_slopes(machine, windows, states, rows, wanted, self.numbers.spread)
+        found = window_slopes(machine, self.windows, states, rows, wanted, self.numbers.spread)
         if found is None:
             return None
-        flat = [(part / self.noise[:, None]).reshape(*off.shape, part.shape[-1]) for part in found]
-        return _Here(states, off, *flat)
+        parts = [np.where(self.heard[..., None], part / self.noise[:, None], 0.0) for part in found]
+        return _Here(states, off, *(part.reshape(*off.shape, part.shape[-1]) for part in parts))
 
     def _loss(self, u: np.ndarray, states: np.ndarray, off: np.ndarray) -> float:
         prior = (from_unbounded(self.numbers, u) - self.numbers.start) / self.numbers.spread

@@ -35,7 +35,7 @@ class ChannelInformation(NamedTuple):
 def state_spreads(windows: Windows) -> np.ndarray:
     """Standard deviations of pressures at A and B, positions and rates at the start of windows, (4 n_function,)."""
     n = windows.position.shape[1]
-    known = windows.p_a is not None and windows.p_b is not None
+    known = windows.p_a is not None and windows.p_b is not None and not np.isnan([windows.p_a, windows.p_b]).any()
     pressure = np.full(2 * n, _PRESSURE_SPREAD[0 if known else 1])
     position = np.maximum(_STATE_FACTOR * windows.position_sd, _LEAST_SPREAD[0])
     rate = np.maximum(_STATE_FACTOR * windows.rate_sd, _LEAST_SPREAD[1])

@@ -79,7 +79,7 @@ def shoot(
 
 def first_states(machine: LayoutMachine, windows: Windows) -> np.ndarray:
     """States at the start of the windows, (n_window, 4 n_function): what is measured, and pressures from a run that leads in."""
-    if windows.p_a is not None and windows.p_b is not None:
+    if windows.p_a is not None and windows.p_b is not None and not np.isnan([windows.p_a, windows.p_b]).any():
         return np.hstack([windows.p_a, windows.p_b, windows.position, windows.rate])
     lead = round(LEAD / windows.dt)
     p_a, p_b = _resting(machine, windows.lead_position)
@@ -96,7 +96,8 @@ def first_states(machine: LayoutMachine, windows: Windows) -> np.ndarray:
     led = np.where(np.isfinite(batch.final), batch.final, np.hstack([p_a, p_b]))
     for k, known in enumerate((windows.p_a, windows.p_b)):
         if known is not None:
-            led[:, k * len(names) : (k + 1) * len(names)] = known
+            own = slice(k * len(names), (k + 1) * len(names))
+            led[:, own] = np.where(np.isnan(known), led[:, own], known)
     return np.hstack([led, windows.position, windows.rate])
 
 

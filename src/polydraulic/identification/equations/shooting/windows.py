@@ -1,7 +1,8 @@
 """A log cut into windows from which a machine can be simulated: commands, what was measured, and what is known of the start.
 
 Commands drive the pilots from the beginning of a piece on, so that spools need no sensor. Positions and rates at the start of a
-window come from a parabola through the rows near it; pressures from their sensors, or from a run that leads in.
+window come from a parabola through the rows near it; pressures from their sensors, or from a run that leads in. Elsewhere a sensor may be
+silent: what it reads is NaN there, and nothing is compared.
 """
 
 from collections.abc import Sequence
@@ -50,14 +51,14 @@ class Windows(NamedTuple):
         Which piece a window lies in, and at which of its steps it begins.
     n_step : int
     measured : (n_window, n_row, n_channel) array
-        From the row after the start on.
+        From the row after the start on; NaN where a sensor is silent.
     position, rate : (n_window, n_function) array
         At the start.
     lead_position, lead_rate : (n_window, n_function) array
         `LEAD` before it.
     position_sd, rate_sd : (n_function,) array
     p_a, p_b : (n_window, n_function) array, Pa
-        At the start, where they are measured.
+        At the start, where they are measured; NaN in windows where a sensor is silent then.
     time : (n_window,) array, s
         Of the start.
     """
@@ -103,7 +104,7 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
     Raises
     ------
     InputError
-        No command of a function, no position of one that moves, no piece that is long enough.
+        No command of a function, no position of one that moves, no piece that is long enough, or none in which positions are known where windows begin.
     """
     names = machine.names
     joints = [function_column(machine, f, "angle", "rad").name for f in names]
@@ -122,18 +123,22 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
     raster = raster_of(table)
     every = max(1, int(np.ceil(raster / LONGEST_STEP - 1e-9)))
     dt, n_row = raster / every, max(1, round(seconds / raster))
-    pieces = even_pieces(table, [*commands, *joints, *sensors])
-    lead, near = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster))
-    starts = [(k, row) for k, (at, _) in enumerate(pieces) for row in range(lead + near, len(at) - n_row - 1, n_row)]
+    pieces = even_pieces(table, commands, [*joints, *sensors])
+    lead, near, n = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster)), len(names)
+    starts = [
+        (k, row)
+        for k, (at, values) in enumerate(pieces)
+        for row in _starts(values[:, n : 2 * n], lead, near, len(at) - n_row - 1, n_row)
+    ]
     if not starts:
         least = (lead + near + n_row + 1) * raster
-        raise InputError(f"no piece of the log lasts {least:.4g} s without a gap; choose shorter windows")
+        raise InputError(
+            f"no piece of the log lasts {least:.4g} s without a gap, with positions of all functions where a window begins and {LEAD:g} s before; "
+            "choose shorter windows"
+        )
     if len(starts) > most:
         starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
-    n, channels = (
-        len(names),
-        [ComparedColumn(name, _noise(pieces, 2 * len(names) + k)) for k, name in enumerate(sensors)],
-    )
+    channels = [ComparedColumn(name, _noise(pieces, 2 * n + k)) for k, name in enumerate(sensors)]
     fits, led = (
         [_parabola(pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n], raster) for k, row in starts]
         for back in (0, lead)
@@ -169,6 +174,18 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
     )
 
 
+def _starts(position: np.ndarray, lead: int, near: int, end: int, n_row: int) -> list[int]:
+    """Rows before `end` at which windows begin, each as early as the one before and the positions near it, and `lead` before, allow."""
+    known = ~np.isnan(position).any(axis=1)
+    around = np.convolve(known, np.ones(2 * near + 1), mode="same") > 2 * near + 0.5
+    found, following = list[int](), lead + near
+    for row in (np.flatnonzero(around[lead:] & around[:-lead]) + lead).tolist():
+        if following <= row < end:
+            found.append(row)
+            following = row + n_row
+    return found
+
+
 def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np.ndarray:
     """Commands at every step of a piece: cubics that are monotone between its rows, since straight lines cut the corners of a hand."""
     from scipy.interpolate import PchipInterpolator
@@ -180,8 +197,10 @@ def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np
 def _noise(pieces: Sequence[tuple[np.ndarray, np.ndarray]], column: int) -> float:
     """Standard deviation of white noise: of fourth differences, which leave nothing of a smooth signal."""
     differences = np.concatenate([np.diff(values[:, column], n=4) for _, values in pieces])
+    differences = differences[~np.isnan(differences)]
     size = 1.4826 * float(np.median(np.abs(differences))) / np.sqrt(70.0) if len(differences) else 0.0
-    whole = max(float(np.ptp(values[:, column])) for _, values in pieces)
+    known = [own[~np.isnan(own)] for own in (values[:, column] for _, values in pieces)]
+    whole = max((float(np.ptp(own)) for own in known if len(own)), default=0.0)
     return max(size, 1e-5 * whole, 1e-12)
 
 
