@@ -79,6 +79,16 @@ def test_windows_begin_where_positions_are_known_and_nothing_is_read_of_a_silent
     assert np.isfinite(found.position).all()
 
 
+def test_a_row_between_two_gaps_is_no_window_and_no_obstacle():
+    machine, log = commanded()
+    kept = (log["time"] < 7.0) | (log["time"] > 9.0)
+    kept[400] = True
+    alone = Table({n: v[kept] for n, v in log.columns.items()}, log.units)
+    found = cut_windows(machine, alone, ["slew.angle"], seconds=2.0, most=50)
+    assert [len(command) for command in found.command][1] == 1
+    assert set(found.piece.tolist()) == {0, 2}
+
+
 def test_noise_is_what_differences_show():
     machine, log = commanded(noise=1.0)
     windows = cut_windows(machine, log, ["outer.angle", "outer.p_a"], seconds=2.0, most=50)

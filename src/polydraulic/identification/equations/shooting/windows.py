@@ -190,6 +190,8 @@ def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np
     """Commands at every step of a piece: cubics that are monotone between its rows, since straight lines cut the corners of a hand."""
     from scipy.interpolate import PchipInterpolator
 
+    if len(at) == 1:  # a row between two gaps
+        return command
     fine = at[0] + raster / every * np.arange((len(at) - 1) * every + 1)
     return np.asarray(PchipInterpolator(at, command)(np.minimum(fine, at[-1])))
 
