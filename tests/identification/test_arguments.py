@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, Table, write_table
-from polydraulic.identification.arguments import check_columns, names_of_parts, parts_of, table_of
+from polydraulic.identification.arguments import (
+    check_columns,
+    names_of_parts,
+    parts_of,
+    table_of,
+    times_of_parts,
+    whole_rows,
+)
 
 
 def test_a_table_and_its_file_are_the_same_with_another_name(tmp_path):
@@ -178,3 +185,20 @@ def test_of_several_tables_those_with_missing_values_declare_them():
     rows, _ = table_of([whole, silent])
     assert rows["a"].tolist() == [1.0, 1.0, 1.0, 1.0, 2.0]
     assert parts_of(rows) == [3, 2]
+
+
+def test_whole_rows_of_several_tables_still_know_which_these_were():
+    nan = np.nan
+    parts = [
+        Table({"time": np.arange(3.0), "a": np.array([1.0, nan, 3.0])}, {}).partial(),
+        Table({"time": np.arange(3.0), "a": np.full(3, nan)}, {}).partial(),
+        Table({"time": np.arange(2.0), "a": np.ones(2)}, {}),
+    ]
+    joined, _ = table_of(parts, partial=True)
+    rows = whole_rows(joined, ["time", "segment", "a"])
+    assert parts_of(rows) == [2, 2]
+    assert names_of_parts(rows) == ["table (1)", "table (3)"]
+    first, third = times_of_parts(rows)
+    assert (first.begins, first.shift) == (0.0, 0.0)
+    assert third.begins == third.shift == rows["time"][2]
+    assert whole_rows(joined, ["time"]).info == joined.info

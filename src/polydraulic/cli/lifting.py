@@ -166,7 +166,7 @@ def payload(
             raise InputError("--plot draws the payload; with --force write a table, --out force.csv")
     if known and not force:
         raise InputError("--known is what hangs there while a force is estimated: give --force, too, or leave it out")
-    plant, table = load_machine(machine), read_table(log)
+    plant, table = load_machine(machine), read_table(log, partial=True)
     with progress_bar("payload") as progress:
         progress("least squares, compiled once after an installation", 0, 2)
         found = (

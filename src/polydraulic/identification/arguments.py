@@ -79,6 +79,20 @@ def names_of_parts(table: Table) -> list[str]:
     return [str(name) for name, _ in files] if len(parts_of(table)) > 1 else []
 
 
+def whole_rows(table: Table, names: Sequence[str]) -> Table:
+    """Rows that have a value of all these columns, as by `Table.whole`, which know of which tables they are."""
+    found, called = table.whole(names), names_of_parts(table)
+    if len(found) == len(table) or not called:
+        return found
+    ends = np.cumsum(parts_of(table))
+    left = [int(np.count_nonzero(own)) for own in np.split(table.known(names), ends[:-1])]
+    shifts: Any = table.info.get(_SHIFTS, [])
+    info = {**table.info, _FILES: [[name, n] for name, n in zip(called, left, strict=True) if n]}
+    if len(shifts) == len(left):
+        info[_SHIFTS] = [shift for shift, n in zip(shifts, left, strict=True) if n]
+    return Table(found.columns, found.units, info)
+
+
 class PartTimes(NamedTuple):
     """One of several logs that were joined.
 

@@ -57,6 +57,17 @@ def test_a_payload_is_found_within_its_error(loader):
         assert (off <= 2.0 * found.error).mean() > 0.8
 
 
+def test_a_sensor_that_is_silent_is_a_gap_and_others_that_are_not_needed_are_none(loader):
+    lifted = Scenario("lift", 6.0, LIFTS, loads=hung(700.0))
+    log = log_of(loader, lifted, 0, noise=0.0)
+    pressure = np.where((log["time"] > 3.05) & (log["time"] < 3.25), np.nan, log["lift.p_a"])
+    columns = dict(log.columns) | {"lift.p_a": pressure, "cab.heat": np.full(len(log), np.nan)}
+    found = estimate_payload(loader, Table(columns, log.units).partial(), window=1.0)
+    whole = estimate_payload(loader, log, window=1.0)
+    assert 2 < len(found.time) < len(whole.time)
+    np.testing.assert_allclose(found.payload[2:], 700.0, rtol=0, atol=2.0)
+
+
 def test_at_rest_static_friction_is_in_the_error(loader):
     """4 and 5.6 kN m of static friction, over the root of three, hold what weighs as much at the tip."""
     still = estimate_payload(loader, log_of(loader, Scenario("rest", 6.0, {}, loads=hung(500.0)), 1))

@@ -199,3 +199,15 @@ def test_alarms_of_joined_logs_are_told_in_the_time_of_their_log():
     assert 15.0 < float(own) < 60.0
     assert row[1].endswith(" s")
     assert times_of_parts(first) == ()
+
+
+def test_a_sensor_that_is_silent_for_a_while_is_said_and_the_rest_is_watched():
+    log = log_of(load_machine("wheel_loader"), 32, 120.0)
+    columns = dict(log.columns) | {"lift.p_a": log["lift.p_a"].copy(), "cab.heat": np.full(len(log), np.nan)}
+    raster = float(np.median(np.diff(log["time"])))
+    columns["lift.p_a"][round(60.0 / raster) : round(90.0 / raster)] = np.nan
+    found = watch_log(Table(columns, log.units).partial(), "wheel_loader", healthy=healthy_log())
+    assert "0.5 min are rows in which a sensor that is watched has no value" in str(found)
+    assert "no alarm" in str(found)
+    assert not ((found.time > 62.0) & (found.time < 90.0)).any()
+    assert (found.time > 92.0).any()

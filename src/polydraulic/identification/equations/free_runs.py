@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.display import DEFAULT, amount
+from polydraulic.identification.arguments import whole_rows
 from polydraulic.identification.equations.identify import Identification
 from polydraulic.identification.log_replay import Drift, drifts, driven, replayed
 from polydraulic.progress import Progress, quiet
@@ -45,7 +46,7 @@ def free_runs(found: Identification, *, progress: Progress = quiet) -> tuple[lis
         return [], f"not run against the log: it has no {missing[0]}"
     if not found.table.known(driven(found.machine)).any():
         return [], "not run against the log: it has no row in which all sensors read something"
-    log = found.table.whole(["time", *driven(found.machine)])
+    log = whole_rows(found.table, ["time", *driven(found.machine)])
     time = log["time"]
     rows = time >= time[0] + (1.0 - _LAST) * (time[-1] - time[0])
     runs = []

@@ -9,7 +9,7 @@ import numpy as np
 
 from polydraulic.display import dated, moment
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import PartTimes, table_of, times_of_parts
+from polydraulic.identification.arguments import PartTimes, table_of, times_of_parts, whole_rows
 from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.log_pieces import raster_of
@@ -209,24 +209,26 @@ def watch_log(
     if isinstance(networks, str | Path):
         networks_ending(networks)
     plant = as_machine(machine)
-    table, source = _checked(log, plant)
-    columns = watched_columns(plant, table, source, sensors)
-    doubts = [doubt.text for doubt in channel_doubts(plant, _with_columns(table, columns))]
+    every, source = _checked(log, plant)
+    columns = watched_columns(plant, every, source, sensors)
+    table = _rows_of(every, columns)
+    doubts = [doubt.text for doubt in channel_doubts(plant, table)]
     raster = raster_of(table)
     of = watched(plant, columns, raster)
     progress("learn", 0, 1)
     if healthy is not None:
-        known, name = _checked(healthy, plant)
-        if missing := [c for c in columns if c not in known.names]:
+        given, name = _checked(healthy, plant)
+        if missing := [c for c in columns if c not in given.names]:
             raise InputError(
                 f"{name}: no column {', '.join(map(repr, missing[:_NAMED]))}, which {source} has; watch both by the same sensors"
             )
+        known = _rows_of(given, columns)
         if abs(raster_of(known) / raster - 1.0) > _RASTERS:
             raise InputError(
                 f"{name} has a row every {raster_of(known):g} s, {source} every {raster:g} s: import both on one raster"
             )
         own, first = np.ones(len(known), dtype=bool), 0
-        doubts += [f"{name}: {doubt.text}" for doubt in channel_doubts(plant, _with_columns(known, columns))]
+        doubts += [f"{name}: {doubt.text}" for doubt in channel_doubts(plant, known)]
         words = f"{len(known)} rows of {name}"
     else:
         known, begin = table, float(table["time"][0])
@@ -263,34 +265,42 @@ def watch_log(
         seen,
         began(table),
         times_of_parts(table),
-        _not_judged(table, first, len(starts), of.shape),
+        _not_judged(table, first, len(starts), of.shape, len(every) - len(table)),
         tuple(doubts),
     )
 
 
-def _not_judged(table: Table, first: int, blocks: int, shape: BlockShape) -> str:
-    """How much of a log whose rows are judged from `first` on is in no block, and why, in words."""
+def _not_judged(table: Table, first: int, blocks: int, shape: BlockShape, silent: int = 0) -> str:
+    """How much of a log whose rows are judged from `first` on is in no block, and why, in words; `silent` rows lack a sensor."""
     minutes = shape.raster / 60.0
     own, left = first * minutes, (len(table) - first - blocks * shape.inside) * minutes
     pieces = len(piece_ends(table["time"][first:], _segment(table)[first:], shape.raster)) + 1
     reasons = [f"{own:.1f} min are what is taken for healthy"] if first else []
+    if silent:
+        reasons.append(f"{silent * minutes:.1f} min are rows in which a sensor that is watched has no value")
     if left >= _SHORT:
         each = f"each of {pieces} pieces" if pieces > 1 else "the one piece"
         reasons.append(
             f"{left:.1f} min are, of {each} without a gap, the first {shape.before * shape.raster:.3g} s and the last "
             f"{shape.after * shape.raster:.3g} s, which filters need, and what fills no block of {shape.seconds:.3g} s"
         )
-    whole = f"{own + left:.1f} of the {len(table) * minutes:.1f} min that the rows last"
+    lost = silent * minutes
+    whole = f"{own + left + lost:.1f} of the {len(table) * minutes + lost:.1f} min that the rows last"
     return f"{whole}: {'; '.join(reasons)}" if reasons else ""
 
 
 def _checked(log: Table | str | Path | Sequence[Table | str | Path], machine: LayoutMachine) -> tuple[Table, str]:
-    table, source = table_of(log)
+    table, source = table_of(log, partial=True)
     if "time" not in table.names:
         raise InputError(f"{source}: no column 'time'; a machine is watched by an imported log")
     check_units(table)
     check_plausible(machine, table)
     return table, source
+
+
+def _rows_of(table: Table, columns: Sequence[str]) -> Table:
+    """Rows in which all sensors that are watched have a value."""
+    return whole_rows(table, ["time", *(name for name in table.names if name == "segment"), *columns])
 
 
 def watched_columns(
@@ -317,12 +327,6 @@ def watched_columns(
                 f"--sensors {pattern!r}: no column of {source} is called so; it has {', '.join(found) or 'none'}"
             )
     return tuple(name for name in found if any(fnmatchcase(name, pattern) for pattern in sensors))
-
-
-def _with_columns(table: Table, columns: Sequence[str]) -> Table:
-    """A log with the columns that are watched alone."""
-    kept = [name for name in table.names if name in ("time", "segment", *columns)]
-    return Table({name: table[name] for name in kept}, {name: table.unit(name) for name in kept}, table.info)
 
 
 def _segment(table: Table) -> np.ndarray:
