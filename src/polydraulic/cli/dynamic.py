@@ -110,7 +110,8 @@ def run(
 ) -> None:
     """Run a dynamic model on a log: from measured inputs and its own predictions, next to what was measured.
 
-    At the start of each segment it reads as many rows of the outputs as its longest lag; then it goes on by itself.
+    At the start of each segment it reads as many rows of the outputs as its longest lag; then it goes on by itself. With --every, joints
+    of fit-joints are as strong as the rows before a restart show them to be; without it, as strong as in the mean.
 
     Example: `polydraulic run pressure.json log.parquet --plot run.svg`
 

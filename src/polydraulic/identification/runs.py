@@ -194,7 +194,7 @@ def run_models(
     log : Table, str, Path or sequence of them
         Or its file: the models' signals, at their raster, with a column ``time``.
     every : float, s, optional
-        Restart from measured outputs after so much time; never within a segment if not given.
+        Restart from measured outputs after so much time; never within a segment if not given. Rows before a restart show how strong joints are.
 
     Returns
     -------
