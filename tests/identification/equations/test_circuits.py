@@ -7,7 +7,7 @@ from polydraulic.identification.equations.fit.valve_curves import Curves
 from polydraulic.machine.pump import Pump
 
 RELIEF = 3e7
-MODEL = CircuitModel((), Pump(2.8e-3, RELIEF, 3e5))
+MODEL = CircuitModel((Curves(np.array([0.0, 14e-3]), np.zeros(2), np.zeros(2)),), Pump(2.8e-3, RELIEF, 3e5))
 
 
 def rows_at(flowing, stalled, n=1000):

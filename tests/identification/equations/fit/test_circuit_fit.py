@@ -112,6 +112,16 @@ def test_sensors_of_pressure_that_are_late_are_found():
     assert model.lead == pytest.approx(0.005, abs=1.5e-3)
 
 
+def test_a_knot_at_which_no_curve_bends_is_known_to_lie_within_the_travel():
+    flat = Curves(np.insert(TRUE.knots, 1, 2e-3), np.insert(TRUE.inlet, 1, 0.0), np.insert(TRUE.bypass, 1, 0.0))
+    flat.bypass[:3] = TRUE.bypass[1]
+    rows = made(1, 1000)
+    errors = circuit_errors(CircuitModel((flat,), PUMP), rows, Prior(CircuitModel((flat,), PUMP), 1.0, {})).valves[0]
+    assert 0.0 < errors["knots"][1] <= 1.01 * TRUE.knots[-1]
+    assert errors["knots"][3] < 1e-4  # where the curves bend
+    assert all(np.isfinite(e).all() and e[1] < 1e-5 for key, e in errors.items() if key != "knots")
+
+
 def test_what_no_row_shows_stays_near_its_value():
     rows = made(1)
     seen = rows.some(rows.travel[:, 0, 0] < 8e-3)

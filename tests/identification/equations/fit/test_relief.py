@@ -76,6 +76,12 @@ def test_of_few_blocks_the_noise_of_the_sensor_counts():
     assert few[1] ** 2 - many[1] ** 2 == pytest.approx(NOISE**2 / 4.0, rel=0.1)
 
 
+def test_the_setting_may_be_anywhere_between_stall_and_where_oil_still_flows():
+    (value, far), (_, near) = found_of(below=5e5), found_of(below=1e5)
+    gaps = value - RELIEF + np.array([5e5, 1e5])
+    assert far**2 - near**2 == pytest.approx((gaps[0] ** 2 - gaps[1] ** 2) / 12.0)
+
+
 @pytest.mark.parametrize("shape", [1, 2])
 def test_intervals_hold_the_setting_whatever_the_shape_of_loads(shape):
     """Loads that push most rows by about as much would raise the setting, were they taken for those that push most rows by little."""

@@ -320,6 +320,7 @@ def _errors(found: _Solution, knots: np.ndarray, places: np.ndarray, scale: floa
     weighed = slopes * found.robust[:, None]
     known = np.zeros((slopes.shape[1], slopes.shape[1]))
     known[:m, :m] = found.known
+    known[m:, m:] = np.eye(int(free.sum())) * float(knots[-1]) ** -2  # no knot lies beyond the travel
     h = weighed.T @ slopes + known
     unit = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
     bread = np.linalg.pinv(h * unit[:, None] * unit, rcond=1e-12) * unit[:, None] * unit

@@ -59,13 +59,14 @@ def seen_relief(model: CircuitModel, rows: CircuitRows, opens: np.ndarray, sprea
     # nobody knows how loads push: most rows by little, or hardly any by nothing
     one, other = (_least_pressure(pressure[there], block[there], width, humped) for humped in (False, True))
     value = 0.5 * (one.value + other.value)
-    # a load that holds an actuator stalls it too, far below the setting: there oil would not flow closely below these rows
+    # a load that holds an actuator above the setting stalls it too: the setting may be anywhere between that and where oil still flows
     flowing = rows.known & (rows.travel.min(axis=1) > _OPEN * opens) & (rows.q_in > _FLOWS * model.pump.flow)
     below = np.sort(rows.p_in.mean(axis=1)[flowing])[-_HIGHEST:]
-    if len(below) < _HIGHEST or value - float(below[0]) > _GAP * value:
+    gap = max(value - float(below[0]), 0.0) if len(below) == _HIGHEST else np.inf
+    if gap > _GAP * value:
         return None
     parts = 0.5 * (one.sd + other.sd), 0.5 * (one.value - other.value), width / np.sqrt(len(blocks_there))
-    error = float(np.linalg.norm(parts))
+    error = float(np.linalg.norm([*parts, gap / np.sqrt(12.0)]))
     return (value, error) if error < _KNOWN * value else None
 
 

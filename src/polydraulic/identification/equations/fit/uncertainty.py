@@ -65,10 +65,11 @@ def circuit_errors(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Circ
     to_values = numbers_to_values(model, len(prior.pump))
     at = normal(model, rows, prior)
     t = to_values
-    h = t.T @ at.curvature @ t
+    within = _within_travel(model, len(at.gradient))
+    h = t.T @ (at.curvature + within) @ t
     scale = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
     bread = np.linalg.pinv(h * scale[:, None] * scale, rcond=1e-12) * scale[:, None] * scale
-    known = t.T @ normal(model, rows.some(np.arange(0)), prior).curvature @ t  # of what was known before
+    known = t.T @ (normal(model, rows.some(np.arange(0)), prior).curvature + within) @ t  # of what was known before
     pulls = _pulls(model, rows, list(prior.pump), _PIECES * len(h)) @ t
     meat = pulls.T @ pulls * unhidden(len(pulls), float(np.trace(bread @ (h - known))))
     data = bread @ meat @ bread
@@ -95,6 +96,16 @@ def circuit_errors(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Circ
         for name, error in zip(prior.pump, sigma[place:].tolist(), strict=True)
     }
     return CircuitErrors(valves, pump, _pairs(model, covariance))
+
+
+def _within_travel(model: CircuitModel, count: int) -> np.ndarray:
+    """Information of no knot lying beyond the travel of its valve: all that there is of knots at which curves do not bend."""
+    found, at = np.zeros(count), 0
+    for v in model.valves:
+        m = len(v.knots)
+        found[at + 2 * m : at + 3 * m] = float(v.knots[-1]) ** -2
+        at += 3 * m
+    return np.diag(found)
 
 
 def at_travel(
