@@ -61,8 +61,8 @@ def log_rows(table: Table) -> LogRows:
     if len(table) < 2:
         raise InputError(f"the table has {len(table)} row(s): nothing follows anything")
     step = np.diff(table["time"])
-    same = np.diff(table["segment"]) == 0.0 if "segment" in table.names else np.ones(len(step), dtype=bool)
-    _same_raster(table, step, same)
+    check_one_raster(table)
+    same = _same_segment(table)
     if not same.any():
         raise InputError(f"each of the {len(table)} rows is a segment of its own: nothing follows anything")
     usual = float(np.median(step[same]))
@@ -81,9 +81,21 @@ def log_rows(table: Table) -> LogRows:
     return LogRows(np.concatenate([[0], np.cumsum(~follows)]), raster)
 
 
-def _same_raster(table: Table, step: np.ndarray, same: np.ndarray) -> None:
-    """Refuse tables that have been put together and have rasters of their own."""
+def _same_segment(table: Table) -> np.ndarray:
+    """Which rows follow another one in its segment, (n_row - 1,) of bool."""
+    return np.diff(table["segment"]) == 0.0 if "segment" in table.names else np.ones(len(table) - 1, dtype=bool)
+
+
+def check_one_raster(table: Table) -> None:
+    """Refuse tables that have been put together and have rasters of their own.
+
+    Raises
+    ------
+    InputError
+        Two that differ by a hundredth.
+    """
     ends = np.cumsum([0, *parts_of(table)])
+    step, same = np.diff(table["time"]), _same_segment(table)
     usual = {}
     for name, low, high in zip(names_of_parts(table), ends[:-1], ends[1:], strict=True) if len(ends) > 2 else ():
         own = step[low : high - 1][same[low : high - 1]]

@@ -212,6 +212,17 @@ def test_a_voltage_of_the_wrong_sign_is_named_and_changes_nothing(true, log):
     assert found.machine.function("boom").pilot == rough(true).function("boom").pilot
 
 
+def test_logs_of_two_rasters_are_refused_and_a_slow_one_is_told_to_say_little_of_pilots(true, log):
+    slow = Table({name: log[name][::8] for name in log.names}, log.units)
+    with pytest.raises(
+        InputError, match="rows are 0.16 s apart, those of .* 0.02 s; import both logs with the same raster"
+    ):
+        identify([log, slow], true, free=["functions.*.pilot.*"])
+    found = identify(slow, true, free=["functions.*.pilot.*"])
+    told = [line for line in found.remarks if "what the lever does between rows is not seen" in line]
+    assert [line.split(":")[0] for line in told] == [f"functions.{name}.pilot" for name in true.names]
+
+
 def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
     with pytest.raises(
         InputError,

@@ -33,6 +33,7 @@ from polydraulic.identification.equations.ways.by_runs import entries_left, find
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.identification.log_pieces import raster_within
+from polydraulic.identification.log_rows import check_one_raster
 from polydraulic.identification.plausible import check_plausible, check_units
 from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.parameters.entries import read_toml
@@ -172,6 +173,7 @@ def identify(
     check_units(table)
     check_plausible(before, table)
     segment = _segments(table, source)
+    check_one_raster(table)
     table, stuck = without_stuck(before, table)
     raster = raster_within(table["time"], segment)
     doubts = channel_doubts(before, table)
@@ -199,7 +201,7 @@ def identify(
         ]
         finished = Finished(parts, _digest(table, data, may))
         at = len(before.functions)
-        pilots = find_pilots(so_far, signals)
+        pilots = find_pilots(so_far, signals, raster)
         shown = {c.name for c in before.circuits} - set(refused_circuits(before, signals, may, len(segment)))
         of_circuits = _CIRCUIT_STEPS * len(shown)
         if not entries_left(SoFar(before, may, source), _taken(before, pilots, shown, None)):

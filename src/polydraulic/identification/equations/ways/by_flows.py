@@ -18,12 +18,13 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import segments_of
 
 LEAST_ROWS = 500
+_SELDOM = 0.5  # of a time constant between rows, beyond which a pilot moves between them
 STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
 _KNOWN = 0.1  # of a conductance: one whose standard error is larger is told
 
 
-def find_pilots(so_far: SoFar, signals: dict[str, Signals]) -> dict[str, PilotFit]:
-    """Pilots of the functions whose voltage and spool the log has."""
+def find_pilots(so_far: SoFar, signals: dict[str, Signals], raster: float) -> dict[str, PilotFit]:
+    """Pilots of the functions whose voltage and spool the log has, with rows so many seconds apart."""
     found = {}
     for f in so_far.machine.functions:
         pilot = signals[f.name].pilot
@@ -34,6 +35,11 @@ def find_pilots(so_far: SoFar, signals: dict[str, Signals]) -> dict[str, PilotFi
         else:
             found[f.name] = pilot
             so_far.take(_pilot_changes(f, pilot, so_far.may, so_far.from_log))
+            if raster > _SELDOM * pilot.pilot.time_constant:
+                so_far.remarks.append(
+                    f"functions.{f.name}.pilot: rows come every {raster:g} s, and its time constant is {pilot.pilot.time_constant:.3g} s: what the lever "
+                    "does between rows is not seen, so that time constant and dead time may be off by more than their standard errors"
+                )
     return found
 
 
