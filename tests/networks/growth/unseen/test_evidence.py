@@ -28,6 +28,15 @@ def test_a_weight_of_rows_that_say_something_decides():
     assert helps(X, y, np.where(np.arange(300) < 100, 100.0, 0.01))
 
 
+def test_rows_that_are_repeated_are_left_out_together():
+    """What was learnt from a row says nothing of the same row once more."""
+    X, y = np.random.default_rng(2).normal(size=(15, 30)), np.random.default_rng(3).normal(size=15)
+    again = np.repeat(np.arange(15), 3)[np.random.default_rng(4).permutation(45)]
+    assert not helps(X, y)
+    assert not helps(X, y, np.full(15, 3.0))
+    assert not helps(X[again], y[again])
+
+
 def test_neighbours_in_time_say_nothing_of_stretches_left_out():
     kernel, stretch = np.exp(-np.arange(160) / 40.0), np.arange(2000) * 10 // 2000
     at_random, by_stretch = 0, 0

@@ -28,13 +28,13 @@ def helps_on_others(
     chosen : function of TrainingRows
         Inputs that a search through these rows may read.
     apart : bool
-        Whether whole blocks are left out, every fifth; rows drawn at random if not.
+        Whether whole blocks are left out, every fifth; rows drawn at random if not, equal ones together.
     """
     parts = list(rows.blocks())
     X, y = (np.concatenate([part[place] for part in parts]) for place in (0, 1))
     w = np.concatenate([np.ones(len(part[1])) if part[2] is None else part[2] for part in parts])
     number = np.repeat(np.arange(len(parts)), [len(part[1]) for part in parts])
-    fold = number % FOLD if apart else np.random.default_rng(0).permutation(len(y)) % FOLD
+    fold = number % FOLD if apart else _at_random(X, y)
     small = replace(settings, max_layers=1)
     gained = 0.0
     for held in np.unique(fold):
@@ -42,6 +42,12 @@ def helps_on_others(
         if without.any():
             gained += _gain(rows, X, y, w, without, small, chosen)
     return gained > 0.0
+
+
+def _at_random(X: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Folds (n_row,) of rows, of equal ones the same: what is seen in one fold is new in none, and a weight counts as repetitions do."""
+    _, which = np.unique(np.column_stack([X, y]), axis=0, return_inverse=True)
+    return np.random.default_rng(0).permutation(which.max() + 1)[which] % FOLD
 
 
 def _gain(
