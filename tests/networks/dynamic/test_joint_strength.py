@@ -36,6 +36,8 @@ def test_how_stretches_differ_is_found():
     assert found.memory > 100 * 32  # none of them changed
     assert learn_strength([np.zeros((5, 3))], 32, 200, 1.0) is None
     assert learn_strength([], 32, 200, 1.0) is None
+    assert learn_strength([np.zeros((0, 3))], 32, 200, 1.0) is None
+    assert learn_strength([np.zeros((0, 3)), *stretches, np.zeros((0, 3))], 32, 200, 1.0) == found
 
 
 def test_the_belief_is_that_of_least_squares_where_nothing_fades_and_errors_are_small():

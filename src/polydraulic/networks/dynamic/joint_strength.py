@@ -125,8 +125,7 @@ def learn_strength(stretches: Sequence[np.ndarray], rows: int, horizon: int, siz
     from scipy.optimize import minimize
 
     windows = np.vstack([np.zeros((0, 3)), *stretches])
-    begins = np.zeros(len(windows), dtype=np.bool_)
-    begins[np.cumsum([0, *(len(one) for one in stretches)])[:-1].clip(max=max(len(windows) - 1, 0))] = True
+    begins = np.concatenate([np.zeros(0, dtype=np.bool_), *(np.arange(len(one)) == 0 for one in stretches)])
     if not (windows[:, 1] > _MOVED * size).any():
         return None
     shortest, longest = _OUTLASTS * horizon, 1000.0 * _OUTLASTS * horizon
