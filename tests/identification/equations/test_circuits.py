@@ -20,6 +20,7 @@ def rows_at(flowing, stalled, n=1000):
         p[:, None, None],
         np.zeros((2 * n, 1, 1)),
         q[:, None],
+        np.zeros((2 * n, 1, 2)),
         np.ones((2 * n, 1), dtype=bool),
         np.tile(np.arange(n) * 20 // n, 2),
         *(np.array([x]) for x in (1e-5, 1e5, 1e-5, 0.0)),

@@ -61,6 +61,19 @@ def test_balanced_flows_are_those_that_were_simulated():
             assert np.median(np.abs(ours - exact)[known]) < 0.01 * machine.circuits[0].pump.flow, name
 
 
+def test_balanced_flows_are_closer_with_the_clocks_of_a_simulation():
+    """A step moves the joint by the rate at its end, and fills lines by the rate at its start: positions are a step ahead."""
+    machine = load_machine("cat215b")
+    run = simulate(machine, "exact", random_operator(5, 60.0), raster=0.02)
+    segment = np.zeros(len(run["time"]), dtype=np.int64)
+    log = Table({name: run[name] for name in run.names if ".q_" not in name}, {})
+    signals = {f.name: read_function(machine, f, log, segment, 0.02, False) for f in machine.functions}
+    for name, of in balances(machine, machine.names, signals, segment, 0.02).items():
+        exact = run[f"{name}.q_in"][of.rows] @ mean_weights(of.rows.shape[1])
+        off = [(of.q_in + of.rates_in @ leads - exact)[of.known_in] for leads in ((0.0, 0.0), (0.0, -0.005))]
+        assert np.sqrt(np.mean(off[1] ** 2)) < 0.75 * np.sqrt(np.mean(off[0] ** 2)), name
+
+
 @pytest.mark.parametrize("name", ["boom", "stick", "bucket", "swing"])
 def test_volumes_grow_by_the_levers_of_the_machine(name):
     from polydraulic.identification.equations.sensors import levers

@@ -8,12 +8,14 @@ import numpy as np
 from polydraulic.display import amount
 from polydraulic.identification.equations.fit.beyond import beyond, shutting
 from polydraulic.identification.equations.fit.circuit_fit import (
+    LEADS,
     CircuitModel,
     CircuitRows,
     Prior,
     conductances,
     fit_circuit,
     mean_flows,
+    measured_flows,
     pump_with,
 )
 from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_slopes_at
@@ -130,6 +132,7 @@ def circuit_rows(
         p_in,
         p_rate,
         np.column_stack([of[name].q_in for name in names]),
+        np.stack([of[name].rates_in for name in names], axis=1),
         one_side,
         blocks_of_time(time)[rows[:, 0]],
         noise["spool"],
@@ -193,7 +196,8 @@ def identify_circuit(
     known = np.array([np.count_nonzero(rows.known[awake[part]]) for part in (held, ~held)])
     if known.min() < _LEAST_HELD:
         return f"only {known[1]} rows or windows say something of it, and {known[0]} of the blocks held out; {_LEAST_HELD} at least"
-    prior = Prior(before, _SPREAD, {key: width for key, width in free_pump.items() if key == "flow"} | {"lead": _LEAD})
+    leads = dict.fromkeys(LEADS if rows.q_rates.any() else LEADS[:1], _LEAD)
+    prior = Prior(before, _SPREAD, {key: width for key, width in free_pump.items() if key == "flow"} | leads)
     most = MOST_KNOTS - _further_knots(valves, last)
     fewest = sum(len(v.knots) for v in before.valves) - 2
     tell(0.0, "first knots")
@@ -206,7 +210,7 @@ def identify_circuit(
         lambda n: tell(_GROWING * (1.0 - 0.7 ** (n - fewest)), f"{n} knots"),
     )
     without, hold = grown.model, rows.some(awake[held])
-    left = mean_flows(without, hold) - hold.q_in
+    left = mean_flows(without, hold) - measured_flows(without, hold)
     shown = hold.known & (hold.travel.max(axis=1) > opens)
     q_in_left = [
         float(np.sqrt(np.mean(left[shown[:, k], k] ** 2))) if shown[:, k].any() else float("nan")
@@ -215,21 +219,36 @@ def identify_circuit(
     tell(_GROWING, "all rows")
     every = drawn(awake, ALL_ROWS)
     prior = prior._replace(
-        pump={key: free_pump[key] for key in shown_by(grown.model, every, opens) if key in free_pump} | {"lead": _LEAD}
+        pump={key: free_pump[key] for key in shown_by(grown.model, every, opens) if key in free_pump} | leads
     )
     model, _ = fit_circuit(grown.model, every, prior, _STEPS)
     spread = circuit_errors(model, every, prior)
     found = {}
     for k, name in enumerate(names):
         tell(_FITTED + (1.0 - _FITTED) * k / len(names), f"{name}: outlets")
+        s, b = signals[name], of[name]
+        if b.rows.shape[1] > 1:
+            s, b = with_clocks(s, b, model)
         found[name] = _valve(
-            machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k],
-            most,
+            machine, name, model.valves[k], spread.valves[k], s, b, rows, k, last[k], q_in_left[k], most
         )  # fmt: skip
-    pump = {key: (float(getattr(model.pump, key)), error) for key, error in spread.pump.items() if key != "lead"}
+    pump = {key: (float(getattr(model.pump, key)), error) for key, error in spread.pump.items() if key not in LEADS}
     if relief is not None:
         pump["relief"] = relief
     return CircuitFound(found, pump, grown.path, len(awake), traded(names, model, spread))
+
+
+def with_clocks(s: Signals, b: Balance, model: CircuitModel) -> tuple[Signals, Balance]:
+    """Pressures, and flows balanced from these and positions, as if all clocks were that of the spools."""
+    assert s.p_a is not None
+    assert s.p_b is not None
+    assert s.rate_a is not None
+    assert s.rate_b is not None
+    leads = (model.lead, model.lead_position)
+    return (
+        s._replace(p_a=s.p_a + model.lead * s.rate_a, p_b=s.p_b + model.lead * s.rate_b),
+        b._replace(q_in=b.q_in + b.rates_in @ leads, q_out=b.q_out + b.rates_out @ leads),
+    )
 
 
 def _further_knots(valves: list[ValveCurves], last: list[float]) -> int:
@@ -288,7 +307,7 @@ def _valve(
     block = np.zeros(int(b.rows.max()) + 1, dtype=np.int64)
     block[b.rows[:, 0]] = rows.block
     opens = spool_edges(old)[0]
-    # windows blur where a curve bends, and by how much clocks are apart
+    # windows blur where a curve bends, and by how much clocks are apart: they have those of the inlets
     measured = b.rows.shape[1] == 1
     sides = [outlet_rows(s, b, block, forward, opens, rates=measured) for forward in (True, False)]
     sides = [side._replace(travel=np.minimum(side.travel, last)) for side in sides]

@@ -27,6 +27,8 @@ class Balance(NamedTuple):
         Of the log; windows of a single row where flows are measured.
     q_in, q_out : (n_window,) array, m3/s
         Mean flows through the valve; 0 where they are not known.
+    rates_in, rates_out : (n_window, 2) array, m3/s2
+        How these flows change with the clocks of the sensors of pressure and of position; none where flows are measured.
     known_in, known_out : (n_window,) array of bool
     noise_in, noise_out : float, m3/s
     """
@@ -34,6 +36,8 @@ class Balance(NamedTuple):
     rows: np.ndarray
     q_in: np.ndarray
     q_out: np.ndarray
+    rates_in: np.ndarray
+    rates_out: np.ndarray
     known_in: np.ndarray
     known_out: np.ndarray
     noise_in: float
@@ -91,6 +95,8 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
             rows,
             np.where(known[0], flows[0], 0.0),
             np.where(known[1], flows[1], 0.0),
+            np.zeros((len(rows), 2)),
+            np.zeros((len(rows), 2)),
             known[0],
             known[1],
             s.noise["q_in"],
@@ -98,6 +104,10 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
         )
     assert s.volume_a is not None
     assert s.volume_b is not None
+    assert s.rate_a is not None
+    assert s.rate_b is not None
+    assert s.volume_rate_a is not None
+    assert s.volume_rate_b is not None
     time, line = raster * (rows.shape[1] - 1), f.line
     weights = mean_weights(rows.shape[1])
     leak = line.leakage * ((s.p_a - s.p_b)[rows] @ weights)
@@ -108,6 +118,13 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
     )
     into_b = (
         (s.volume_b[last] - s.volume_b[first] + line.compliance_b * (s.p_b[last] - s.p_b[first])) / time - leak + lost_b
+    )
+    rates_a, rates_b = (
+        np.column_stack([c * (p[last] - p[first]), v[last] - v[first]]) / time
+        for c, p, v in (
+            (line.compliance_a, s.rate_a, s.volume_rate_a),
+            (line.compliance_b, s.rate_b, s.volume_rate_b),
+        )
     )
     one_side = forward.all(axis=1) | (~forward).all(axis=1)
     ahead = forward[:, 0]
@@ -122,6 +139,8 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
         rows,
         np.where(known_in, q_in, 0.0),
         np.where(known_out, q_out, 0.0),
+        np.where(known_in[:, None], np.where(ahead[:, None], rates_a, rates_b), 0.0),
+        np.where(known_out[:, None], np.where(ahead[:, None], -rates_b, -rates_a), 0.0),
         known_in & one_side & np.where(ahead, *shut),
         known_out & one_side & np.where(ahead, shut[1], shut[0]),
         max(noise.values()),

@@ -28,6 +28,8 @@ class Signals(NamedTuple):
     q_in, q_out : (n_row,) array, m3/s
     volume_a, volume_b : (n_row,) array, m3
         That the joint's position gives the two sides of the actuator.
+    volume_rate_a, volume_rate_b : (n_row,) array, m3/s
+        How fast these change.
     noise : dict
         Standard deviation of each of these, in SI; of `spool` of what is left of it.
     pilot : PilotFit or None
@@ -44,6 +46,8 @@ class Signals(NamedTuple):
     q_out: np.ndarray | None
     volume_a: np.ndarray | None
     volume_b: np.ndarray | None
+    volume_rate_a: np.ndarray | None
+    volume_rate_b: np.ndarray | None
     noise: dict[str, float]
     pilot: PilotFit | None
     scale: float = 0.0
@@ -101,9 +105,12 @@ def read_function(
             noise_level(measured, pieces) / np.sqrt(0.5 * SMOOTHED) * float(np.mean(side)) for side in middle
         )
     p_a, p_b = (None if p is None else np.maximum(p, 0.0) for p in (found["p_a"], found["p_b"]))
-    rate_a, rate_b = (None if p is None else _rate(p, segment, raster) for p in (p_a, p_b))
+    rate_a, rate_b, volume_rate_a, volume_rate_b = (
+        None if v is None else _rate(v, segment, raster) for v in (p_a, p_b, volume_a, volume_b)
+    )
     return Signals(
-        spool, p_a, p_b, rate_a, rate_b, found["q_in"], found["q_out"], volume_a, volume_b, noise, pilot, scale
+        spool, p_a, p_b, rate_a, rate_b, found["q_in"], found["q_out"], volume_a, volume_b, volume_rate_a, volume_rate_b, noise, pilot,
+        scale,
     )  # fmt: skip
 
 

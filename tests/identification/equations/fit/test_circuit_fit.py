@@ -9,6 +9,7 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     Prior,
     fit_circuit,
     flows_of,
+    measured_flows,
     normal,
 )
 from polydraulic.identification.equations.fit.knots import grow
@@ -37,6 +38,7 @@ def made(n, rows=2000, seed=1):
         p_in + rng.normal(0.0, noise[1][0], p_in.shape),
         np.zeros_like(p_in),
         q + rng.normal(0.0, noise[2][0], q.shape),
+        np.zeros((*q.shape, 2)),
         np.ones(q.shape, dtype=bool),
         np.arange(rows) * 20 // rows,
         *noise,
@@ -85,8 +87,11 @@ def test_curves_that_are_all_too_narrow_are_left_for_those_of_the_rows():
 def test_gradients_are_those_of_differences():
     rows = made(2, 300)
     start = CircuitModel((START, TRUE), PUMP)
-    prior = Prior(start, 1.0, {"flow": 3e-4, "lead": 0.02})
-    rows = rows._replace(p_rate=np.random.default_rng(2).normal(0.0, 1e6, rows.p_rate.shape))
+    prior = Prior(start, 1.0, {"flow": 3e-4, "lead": 0.02, "lead_position": 0.02})
+    rng = np.random.default_rng(2)
+    rows = rows._replace(
+        p_rate=rng.normal(0.0, 1e6, rows.p_rate.shape), q_rates=rng.normal(0.0, 1e-2, rows.q_rates.shape)
+    )
     # weights move with the model, which steps leave out: noise of flows alone keeps them
     rows = rows._replace(noise_travel=np.zeros(2), noise_pressure=np.zeros(2), noise_flow=np.full(2, 3e-3))
     at = normal(start, rows, prior)
@@ -99,8 +104,9 @@ def test_gradients_are_those_of_differences():
     )
     assert (up - down) / (2.0 * step) == pytest.approx(at.gradient[2], rel=1e-4)
     step = 1e-6
-    up, down = (normal(start._replace(lead=sign * step), rows, prior).loss for sign in (1.0, -1.0))
-    assert (up - down) / (2.0 * step) == pytest.approx(at.gradient[-1], rel=1e-3)
+    for place, name in ((-2, "lead"), (-1, "lead_position")):
+        up, down = (normal(start._replace(**{name: sign * step}), rows, prior).loss for sign in (1.0, -1.0))
+        assert (up - down) / (2.0 * step) == pytest.approx(at.gradient[place], rel=1e-3)
 
 
 def test_sensors_of_pressure_that_are_late_are_found():
@@ -120,6 +126,16 @@ def test_a_knot_at_which_no_curve_bends_is_known_to_lie_within_the_travel():
     assert 0.0 < errors["knots"][1] <= 1.01 * TRUE.knots[-1]
     assert errors["knots"][3] < 1e-4  # where the curves bend
     assert all(np.isfinite(e).all() and e[1] < 1e-5 for key, e in errors.items() if key != "knots")
+
+
+def test_sensors_of_position_that_are_late_are_found():
+    rows = made(1, 2000)
+    rates = np.random.default_rng(6).normal(0.0, 5e-3, rows.q_rates.shape)
+    late = rows._replace(q_in=rows.q_in - rates @ (0.0, -0.0075), q_rates=rates)
+    start = CircuitModel((TRUE,), PUMP)
+    model, _ = fit_circuit(start, late, Prior(start, 1.0, {"flow": 3e-4, "lead_position": 0.02}), 10)
+    assert model.lead_position == pytest.approx(-0.0075, abs=2e-4)
+    assert np.abs(measured_flows(model, late) - rows.q_in).max() < 1e-5
 
 
 def test_what_no_row_shows_stays_near_its_value():

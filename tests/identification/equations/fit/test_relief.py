@@ -18,7 +18,7 @@ def stalled(n, load, seed=1):
     p_in[flowing] = rng.uniform(0.9, 1.0, (flowing.sum(), 1, 1)) * RELIEF
     q = np.where(flowing, 1e-3, 0.0)[:, None] + rng.normal(0.0, 8e-6, (n, 1))
     return CircuitRows(
-        np.full((n, 1, 1), 10e-3), p_in, np.zeros((n, 1, 1)), q, np.ones((n, 1), dtype=bool), np.arange(n) * 20 // n,
+        np.full((n, 1, 1), 10e-3), p_in, np.zeros((n, 1, 1)), q, np.zeros((n, 1, 2)), np.ones((n, 1), dtype=bool), np.arange(n) * 20 // n,
         np.array([5e-6]), np.array([NOISE]), np.array([8e-6]), np.zeros(1),
     )  # fmt: skip
 
@@ -45,7 +45,7 @@ def found_of(stalled=200, blocks=4, above=0, beyond=0.0, flowing=10, below=1e5, 
     n = len(pressure)
     flow = MODEL.pump.flow * np.where(np.arange(n) < stalled, still, q)
     rows = CircuitRows(
-        np.full((n, 1, 1), travel), pressure[:, None, None], np.zeros((n, 1, 1)), flow[:, None], np.ones((n, 1), dtype=bool),
+        np.full((n, 1, 1), travel), pressure[:, None, None], np.zeros((n, 1, 1)), flow[:, None], np.zeros((n, 1, 2)), np.ones((n, 1), dtype=bool),
         np.arange(n) % blocks, np.array([5e-6]), np.array([NOISE]), np.array([8e-6]), np.zeros(1),
     )  # fmt: skip
     return seen_relief(MODEL, rows, np.array([5e-3]), 1e6)

@@ -24,8 +24,17 @@ def rows_of(n, long, windows=40):
     noise = np.zeros(n), np.zeros(n), np.full(n, 8e-6)
     known = rng.random((windows, n)) > 0.2
     rates = rng.normal(0.0, 1e6, p_in.shape)
+    of_clocks = rng.normal(0.0, 1e-2, (windows, n, 2))
     return CircuitRows(
-        travel, p_in, rates, rng.uniform(0.0, 2e-3, (windows, n)), known, np.arange(windows), *noise, np.zeros(n)
+        travel,
+        p_in,
+        rates,
+        rng.uniform(0.0, 2e-3, (windows, n)),
+        of_clocks,
+        known,
+        np.arange(windows),
+        *noise,
+        np.zeros(n),
     )
 
 
@@ -40,11 +49,13 @@ def mean_flow(model, rows):
 @pytest.mark.parametrize(("n", "long"), [(1, 1), (2, 1), (3, 4)])
 def test_what_is_left_and_its_slopes_are_those_of_differences(n, long, pump):
     rows = rows_of(n, long)
-    model = CircuitModel((CURVES,) * n, PUMPS[pump], 0.003)
-    found = weighted(model, rows, ["flow", "lead"])
+    model = CircuitModel((CURVES,) * n, PUMPS[pump], 0.003, -0.006)
+    found = weighted(model, rows, ["flow", "lead", "lead_position"])
 
     def off(of):
-        return np.where(rows.known, (mean_flow(of, rows) - rows.q_in) / 8e-6, 0.0)
+        return np.where(
+            rows.known, (mean_flow(of, rows) - rows.q_in - rows.q_rates @ (of.lead, of.lead_position)) / 8e-6, 0.0
+        )
 
     def wider(k, step):
         inlet = CURVES.inlet + step * np.eye(5)[k]
@@ -54,6 +65,7 @@ def test_what_is_left_and_its_slopes_are_those_of_differences(n, long, pump):
         15 * (n - 1) + 2: (1e-12, lambda step: wider(2, step)),
         15 * n: (1e-9, lambda step: model._replace(pump=model.pump._replace(flow=model.pump.flow + step))),
         15 * n + 1: (1e-7, lambda step: model._replace(lead=model.lead + step)),
+        15 * n + 2: (1e-7, lambda step: model._replace(lead_position=model.lead_position + step)),
     }
     for i, (own, slopes) in enumerate(found):
         assert own == pytest.approx(off(model)[:, i], rel=1e-12, abs=1e-12)

@@ -22,6 +22,7 @@ from polydraulic.identification.equations.fit.weighing import add_squares, weigh
 from polydraulic.identification.equations.observations import mean_weights
 from polydraulic.machine.pump import Pump
 
+LEADS = ("lead", "lead_position")
 _FLOOR = 1e-9  # of the widest conductance: a closed orifice would have no slope
 _NEAREST = 0.3  # of the distance to the next knot that a knot moves in a step
 _CHUNK = 2048
@@ -40,6 +41,8 @@ class CircuitRows(NamedTuple):
         How fast these change.
     q_in : (n_window, n) array, m3/s
         Measured, mean of the window.
+    q_rates : (n_window, n, 2) array, m3/s2
+        How these change with the clocks of the sensors of pressure and of position.
     known : (n_window, n) array of bool
         Which of them count.
     block : (n_window,) array of int
@@ -54,6 +57,7 @@ class CircuitRows(NamedTuple):
     p_in: np.ndarray
     p_rate: np.ndarray
     q_in: np.ndarray
+    q_rates: np.ndarray
     known: np.ndarray
     block: np.ndarray
     noise_travel: np.ndarray
@@ -64,16 +68,20 @@ class CircuitRows(NamedTuple):
     def some(self, keep: np.ndarray | slice) -> "CircuitRows":
         """Those windows."""
         return self._replace(
-            **{name: getattr(self, name)[keep] for name in ("travel", "p_in", "p_rate", "q_in", "known", "block")}
+            **{
+                name: getattr(self, name)[keep]
+                for name in ("travel", "p_in", "p_rate", "q_in", "q_rates", "known", "block")
+            }
         )
 
 
 class CircuitModel(NamedTuple):
-    """Curves of the valves, counted from the pump, the pump, and by how many seconds sensors of pressure are behind those of flow."""
+    """Curves of the valves, counted from the pump, the pump, and by how many seconds sensors of pressure and of position are behind others."""
 
     valves: tuple[Curves, ...]
     pump: Pump
     lead: float = 0.0
+    lead_position: float = 0.0
 
 
 class Prior(NamedTuple):
@@ -81,7 +89,7 @@ class Prior(NamedTuple):
 
     model: CircuitModel
     spread: float  # of a curve, as a share of its value
-    pump: dict[str, float]  # spread of each free number of the pump, and of the lead, SI
+    pump: dict[str, float]  # spread of each free number of the pump, and of each lead, SI
 
 
 class Normal(NamedTuple):
@@ -143,6 +151,11 @@ def mean_flows(model: CircuitModel, rows: CircuitRows) -> np.ndarray:
     return np.einsum("wln,l->wn", flows, mean_weights(rows.travel.shape[1]))
 
 
+def measured_flows(model: CircuitModel, rows: CircuitRows) -> np.ndarray:
+    """What sensors say of these means, with their clocks as the model has them, (n_window, n)."""
+    return np.asarray(rows.q_in + rows.q_rates @ (model.lead, model.lead_position))
+
+
 def normal(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Normal:
     """Squares and slopes over all rows, and what was known before."""
     count = 3 * sum(len(v.knots) for v in model.valves) + len(prior.pump)
@@ -170,7 +183,10 @@ def weighted(model: CircuitModel, rows: CircuitRows, of_pump: list[str]) -> list
     by_pump = np.empty((len(travel), n, len(of_pump)))
     for k, name in enumerate(of_pump):
         if name == "lead":
-            by_pump[:, :, k] = np.einsum("rij,rj->ri", at.by_pressure, p_rate)
+            balanced = np.repeat(rows.q_rates[:, :, 0], shape[1], axis=0)
+            by_pump[:, :, k] = np.einsum("rij,rj->ri", at.by_pressure, p_rate) - balanced
+        elif name == "lead_position":
+            by_pump[:, :, k] = -np.repeat(rows.q_rates[:, :, 1], shape[1], axis=0)
         elif name == "flow":
             # all conductances and the flow grow together: all flows do so, and no pressure changes
             by_curves = np.einsum("rij,rj->ri", at.by_inlet, k_in) + np.einsum("rij,rj->ri", at.by_bypass, k_bypass)
@@ -182,7 +198,8 @@ def weighted(model: CircuitModel, rows: CircuitRows, of_pump: list[str]) -> list
     off, slopes = np.empty((n, shape[0])), np.zeros((n, shape[0], first[-1] + len(of_pump)))
     weigh(
         at.q_in, at.by_inlet, at.by_bypass, at.by_pressure, by_pump, np.column_stack([p.left for p in places]),
-        np.column_stack([p.share for p in places]), np.column_stack(steep).reshape(-1, n, 2), first, mean_weights(shape[1]), rows.q_in,
+        np.column_stack([p.share for p in places]), np.column_stack(steep).reshape(-1, n, 2), first, mean_weights(shape[1]),
+        measured_flows(model, rows),
         rows.known & solved[:, None],
         np.stack([rows.noise_travel, rows.noise_pressure, rows.noise_flow]), off, slopes,
     )  # fmt: skip
@@ -190,8 +207,8 @@ def weighted(model: CircuitModel, rows: CircuitRows, of_pump: list[str]) -> list
 
 
 def number_of(model: CircuitModel, name: str) -> float:
-    """A number of the pump, or the lead."""
-    return model.lead if name == "lead" else float(getattr(model.pump, name))
+    """A number of the pump, or a lead."""
+    return float(getattr(model if name in LEADS else model.pump, name))
 
 
 def pump_with(pump: Pump, name: str, value: float) -> Pump:
@@ -294,11 +311,11 @@ def moved(model: CircuitModel, step: np.ndarray, of_pump: list[str]) -> CircuitM
         bypass = np.maximum.accumulate(np.maximum(bypass, 0.0)[::-1])[::-1]
         valves.append(Curves(knots, inlet, bypass))
         at += 3 * m
-    pump, lead = model.pump, model.lead
+    pump, leads = model.pump, {}
     for k, name in enumerate(of_pump):
         value, change = number_of(model, name), float(step[at + k])
-        if name == "lead":
-            lead = value + change
+        if name in LEADS:
+            leads[name] = value + change
         else:
             pump = pump_with(pump, name, max(value + change, 0.2 * value))
-    return CircuitModel(tuple(valves), pump, lead)
+    return model._replace(valves=tuple(valves), pump=pump, **leads)

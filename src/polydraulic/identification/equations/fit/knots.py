@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.identification.equations.fit.circuit_fit import (
+    LEADS,
     CircuitModel,
     CircuitRows,
     Prior,
@@ -55,7 +56,7 @@ def grow(
     """
     # with too few knots, those there are would leave where a valve opens for where a straight line is worst, and not come back; nor would
     # clocks of sensors that answer for curves which are far off
-    sure = prior._replace(pump={name: width for name, width in prior.pump.items() if name != "lead"})
+    sure = prior._replace(pump={name: width for name, width in prior.pump.items() if name not in LEADS})
     model, _ = fit_circuit(_begun(model, learn, sure), learn, sure, 25, knots_move=False)
     model, _ = fit_circuit(model, learn, prior, _STEPS, knots_move=False)
     best, off, idle = model, left_over(model, hold), 0
