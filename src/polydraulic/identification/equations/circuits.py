@@ -307,7 +307,7 @@ def _valve(
     block = np.zeros(int(b.rows.max()) + 1, dtype=np.int64)
     block[b.rows[:, 0]] = rows.block
     opens = spool_edges(old)[0]
-    # windows blur where a curve bends, and by how much clocks are apart: they have those of the inlets
+    # windows blur by how much clocks are apart: outlets have those of the inlets
     measured = b.rows.shape[1] == 1
     sides = [outlet_rows(s, b, block, forward, opens, rates=measured) for forward in (True, False)]
     sides = [side._replace(travel=np.minimum(side.travel, last)) for side in sides]
@@ -317,7 +317,7 @@ def _valve(
     knots, places = curves.knots, {float(x): float(e) for x, e in zip(curves.knots, errors["knots"], strict=True)}
     own: list[set[float]] = []
     for side, prior, use in zip(sides, priors, fitted, strict=True):
-        bent = bent_knots(side, knots, prior, most) if use and measured else knots
+        bent = bent_knots(side, knots, prior, most) if use else knots
         own.append(set(bent.tolist()) - set(knots.tolist()))
         knots = bent
     values = {key: np.interp(knots, curves.knots, getattr(curves, key)) for key in ("inlet", "bypass")}

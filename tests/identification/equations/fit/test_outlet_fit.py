@@ -18,7 +18,7 @@ PRIOR = OutletPrior(3e5, KNOTS, np.array([0.0, 0.0, 2.4e-6, 1.1e-5]), 1.0)
 
 def made(knots, values, n, long=1, seed=3, least=4e5, most=1.2e7):
     rng = np.random.default_rng(seed)
-    travel = np.repeat(rng.uniform(0.0, 13e-3, (n, 1)), long, axis=1)
+    travel = rng.uniform(0.0, 13e-3, (n, 1)) + np.linspace(0.0, 1e-3 if long > 1 else 0.0, long)
     drop = np.repeat(rng.uniform(least, most, (n, 1)), long, axis=1)
     rows = OutletRows(travel, drop, np.zeros_like(drop), np.zeros(n), np.arange(n) * 20 // n, 5e-6, 1e5, 8e-6)
     q = predicted_out(rows, knots, values, 3e5)
@@ -37,14 +37,15 @@ def test_a_curve_is_found_where_the_flow_needs_a_drop(long):
     assert np.all(np.diff(found.values) >= 0.0)
 
 
-def test_knots_are_added_where_the_outlet_bends_and_nowhere_else():
+@pytest.mark.parametrize("long", [1, 11])
+def test_knots_are_added_where_the_outlet_bends_and_nowhere_else(long):
     bent = np.array([0.0, 0.0, 1.1e-6, 1.8e-6, 1.6e-5])
     at = np.array([0.0, 4.8e-3, 7.15e-3, 9.5e-3, 14e-3])
-    found = bent_knots(made(at, bent, 4000), KNOTS, PRIOR, 16)
+    found = bent_knots(made(at, bent, 4000, long), KNOTS, PRIOR, 16)
     assert 5 <= len(found) <= 7
     assert np.abs(found - 7.15e-3).min() < 3e-4
-    assert np.array_equal(bent_knots(made(KNOTS, TRUE, 4000), KNOTS, PRIOR, 16), KNOTS)
-    assert np.array_equal(bent_knots(made(at, bent, 4000), KNOTS, PRIOR, 4), KNOTS)
+    assert np.array_equal(bent_knots(made(KNOTS, TRUE, 4000, long), KNOTS, PRIOR, 16), KNOTS)
+    assert np.array_equal(bent_knots(made(at, bent, 4000, long), KNOTS, PRIOR, 4), KNOTS)
 
 
 def test_noise_of_small_drops_does_not_bend_the_curve():
