@@ -43,3 +43,31 @@ def test_masses_and_friction_are_known_by_their_paths():
     assert is_mechanical("functions.boom.friction.viscous")
     assert not is_mechanical("links.boom.at.x")
     assert not is_mechanical("functions.boom.pilot.gain")
+
+
+def test_what_hardly_shows_moves_along_where_the_machine_would_be_impossible():
+    machine = load_machine("cat215b")
+    moments = [f"links.boom.inertia.{key}" for key in ("xx", "yy", "zz")]
+    swing, boom = (
+        [f"functions.{name}.friction.{kind}" for kind in ("coulomb", "static")] for name in ("swing", "boom")
+    )
+    paths = [*moments, *swing, *boom]
+    before = {number.path: number.value for number in machine.numbers}
+    xx, yy, zz = (before[path] for path in moments)
+    raised = 1.1 * before[boom[1]]
+    values = np.array(
+        [xx + 500.0, yy + 500.0, zz, 0.9 * before[swing[0]], 1.2 * before[swing[1]], raised, 1.3 * raised]
+    )
+    left = np.array([0.95, 0.1, 0.1, 0.1, 0.95, 0.1, 0.95])  # which moments and static friction hardly show
+    spread = np.full(len(paths), 1000.0)
+    so_far = SoFar(machine, Freedom({}, True), "identified from a log")
+    so_far.take_estimates(
+        estimates_of(paths, values, np.diag((left * spread) ** 2), spread, np.eye(len(paths))), "told so"
+    )
+    found = {number.path: number.value for number in so_far.machine.numbers}
+    assert found[moments[0]] == values[0]
+    assert found[swing[1]] == before[swing[1]]
+    assert found[boom[1]] == values[-1]
+    moved = [line.partition(" ")[0] for line in so_far.remarks if "moved with them" in line]
+    assert moved == [moments[0], boom[1]]
+    assert so_far.kept == [f"{swing[1]}: kept; it hardly shows in this log"]

@@ -4,12 +4,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.identification.equations.free_numbers import Freedom
 from polydraulic.identification.equations.identified_file import Identified
-from polydraulic.identification.equations.numbers.estimates import Estimates
+from polydraulic.identification.equations.numbers.estimates import Estimate, Estimates
 from polydraulic.parameters.layout.parts import Seen
 from polydraulic.parameters.layout.schema import LayoutMachine
 
+_TOGETHER = (".inertia", ".friction")  # of which one number bounds another
 _MECHANICAL = ("mass", "cg", "inertia")
 
 
@@ -69,9 +71,35 @@ class SoFar:
             errors = tuple(0.0 if p not in of else np.inf if of[p].hidden else of[p].sd for p in paths)
             many = paths != [entry]
             changes[entry] = Identified(values if many else values[0], errors if many else errors[0], source)
-        self.take(changes)
-        self.kept += [f"{e.path}: kept; it hardly shows in this log" for e in estimates.numbers if e.hidden]
+        along = self._along(changes, {e.path: e for e in estimates.numbers if e.hidden}, source)
+        self.take(changes | along)
+        self.kept += [
+            f"{e.path}: kept; it hardly shows in this log"
+            for e in estimates.numbers
+            if e.hidden and e.path not in along
+        ]
+        self.remarks += [
+            f"{path} hardly shows in this log; its value was not possible beside the others that were found, and moved with them"
+            for path in along
+        ]
         self.remarks += [line for line in estimates.trades if not of[line.partition(" ")[0]].hidden]
+
+    def _along(self, changes: dict[str, Identified], hidden: dict[str, Estimate], source: str) -> dict[str, Identified]:
+        """What hardly shows, but without which the machine would be impossible: moments of a link, dry friction of a joint."""
+        along: dict[str, Identified] = {}
+        for table in dict.fromkeys(path.rpartition(".")[0] for path in changes):
+            if not table.endswith(_TOGETHER):
+                continue
+            own = {path: new.value for path, new in changes.items() if path.rpartition(".")[0] == table}
+            try:
+                self.machine.with_values(own)
+            except InputError:
+                along |= {
+                    path: Identified(e.value, e.sd, source)
+                    for path, e in hidden.items()
+                    if path.rpartition(".")[0] == table and not path.endswith(".viscous")
+                }
+        return along
 
 
 def is_mechanical(path: str) -> bool:
