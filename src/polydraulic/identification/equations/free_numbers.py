@@ -10,6 +10,8 @@ from polydraulic.units import read_unit
 
 CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
 SPREADS = {"flow": 0.1, "relief": 0.05, "torque_limit_start": 0.1}  # shares, where a file gives none
+# what keeps a spool from where its pilot drives it, and where it stands below a function; a file need not declare it
+EFFECTS = {"hysteresis": "valve.hysteresis", "shift": "valve.flow_force.spring_rate"}
 _PILOT = ("gain", "time_constant", "dead_time")
 
 
@@ -43,13 +45,20 @@ def entries_of(machine: LayoutMachine) -> list[str]:
 
 
 def fitted_here(path: str) -> bool:
-    """Whether curves identified inside the equations of circuits can change an entry."""
+    """Whether curves identified inside the equations of circuits, or pilots, can change an entry."""
     parts = path.split(".")
+    if is_effect(path):
+        return True
     if parts[0] == "circuits":
         return parts[-2] == "pump" and parts[-1] in ("flow", "relief", "torque_limit_start")
     return parts[0] == "functions" and (
         (parts[-2] == "valve" and parts[-1] in (*CURVES, "knots")) or (parts[-2] == "pilot" and parts[-1] in _PILOT)
     )
+
+
+def is_effect(path: str) -> bool:
+    """Whether an entry is what a spool does besides following its pilot."""
+    return path.startswith("functions.") and path.split(".", 2)[2] in EFFECTS.values()
 
 
 def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str]) -> Freedom:
@@ -61,7 +70,8 @@ def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str
     data : dict
         Its file as it is written; empty where there is none.
     patterns : sequence of str
-        Paths such as ``functions.*.valve.*``, besides what the file marks.
+        Paths such as ``functions.*.valve.*``, besides what the file marks. Effects of spools that the machine does not declare are meant where a
+        pattern ends as their paths do, ``functions.*.valve.hysteresis``.
 
     Raises
     ------
@@ -70,8 +80,10 @@ def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str
     """
     paths = entries_of(machine)
     found = {path: spread for path, spread in _marked(data).items() if path in paths}
+    effects = [f"functions.{name}.{key}" for name in machine.names for key in EFFECTS.values()]
     for pattern in patterns:
-        fitting = [path for path in paths if fnmatchcase(path, pattern)]
+        asked = [path for path in effects if pattern.endswith(path.rpartition(".")[2])]
+        fitting = [path for path in dict.fromkeys([*paths, *asked]) if fnmatchcase(path, pattern)]
         if not fitting:
             raise InputError(
                 f"--free {pattern!r} fits no number of the machine; paths are such as {', '.join(paths[-3:])}"

@@ -58,22 +58,41 @@ def machine_data(machine: LayoutMachine) -> dict[str, Any]:
         fed = [*machine.circuit(x.giving).functions, *machine.circuit(x.taking).functions]
         data["circuits"][x.name] |= {"kind": "crossover", "functions": fed}
     data.setdefault("tip", {})["link"] = machine.tip[0]
-    return with_seen(data, machine)
+    return with_found(data, machine)
 
 
-def with_seen(data: Mapping[str, Any], machine: LayoutMachine) -> dict[str, Any]:
-    """What a file holds, and how far the log went that its curves were identified from."""
+def with_found(data: Mapping[str, Any], machine: LayoutMachine) -> dict[str, Any]:
+    """What a file holds, how far the log went that its curves were identified from, and effects of spools as the machine has them."""
     whole = _copied(data)
     for f in machine.functions:
+        valve, force = whole["functions"][f.name]["valve"], f.effects.flow_force
+        if f.effects.hysteresis is not None:
+            valve.setdefault("hysteresis", _entry(f.effects.hysteresis, "mm", "found"))
+        if force is None:
+            valve.pop("flow_force", None)
+        elif "flow_force" not in valve:
+            valve["flow_force"] = {
+                key: _entry(value, unit, source)
+                for (key, value), unit, source in zip(
+                    force._asdict().items(),
+                    ("N/mm", "kg/m3", "deg"),
+                    (
+                        "found",
+                        "usual for oil; the spring rate holds for it",
+                        "usual for sharp edges; the spring rate holds for it",
+                    ),
+                    strict=True,
+                )
+            }
         for key, unit in (("travel", "mm"), ("pressure", "bar")):
             if f.seen is not None and getattr(f.seen, key) < inf:
-                value = _short(read_unit(unit).from_si(getattr(f.seen, key)))
-                whole["functions"][f.name].setdefault("seen", {})[key] = {
-                    "value": value,
-                    "unit": unit,
-                    "source": "largest one of the log",
-                }
+                seen = whole["functions"][f.name].setdefault("seen", {})
+                seen[key] = _entry(getattr(f.seen, key), unit, "largest one of the log")
     return whole
+
+
+def _entry(value: float, unit: str, source: str) -> dict[str, Any]:
+    return {"value": _short(read_unit(unit).from_si(value)), "unit": unit, "source": source}
 
 
 def file_text(data: Mapping[str, Any], changes: Mapping[str, Identified], remarks: Sequence[str]) -> str:

@@ -1,7 +1,7 @@
 """A machine identified from a log of its work: curves, pumps, pilots, masses and friction inside the equations that are known.
 
-Three ways, each where the log has the sensors for it (`ways`): circuits from spools, pressures and flows, masses and friction from pressures and
-positions, what is left through simulation. All else keeps its value and is named, with the reason.
+Four ways, each where the log has the sensors for it (`ways`): pilots, and what spools do besides, from voltages and spools; circuits from spools,
+pressures and flows; masses and friction from pressures and positions; what is left through simulation. All else keeps its value and is named, with the reason.
 """
 
 import hashlib
@@ -20,16 +20,24 @@ from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.doubts.stuck import without_stuck
 from polydraulic.identification.equations.circuits import CircuitFound
 from polydraulic.identification.equations.finished import Finished
-from polydraulic.identification.equations.free_numbers import Freedom, freedom
-from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data, with_seen
+from polydraulic.identification.equations.free_numbers import Freedom, freedom, is_effect
+from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data, with_found
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
 from polydraulic.identification.equations.sensors import Signals, against_spools, read_function
 from polydraulic.identification.equations.shooting.fit import ShootingFit
 from polydraulic.identification.equations.shooting.windows import run_sensors
-from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots, refused_circuits
+from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, refused_circuits
 from polydraulic.identification.equations.ways.by_pressures import find_mechanics
 from polydraulic.identification.equations.ways.by_runs import entries_left, find_left, lacking_for_runs
+from polydraulic.identification.equations.ways.by_spools import (
+    SpoolFound,
+    declared_effects,
+    find_pilots,
+    look_at_spools,
+    smoothed_again,
+    take_effects,
+)
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.identification.log_pieces import raster_within
@@ -43,6 +51,7 @@ from polydraulic.progress import Progress, quiet
 from polydraulic.tables import MISSING, Table
 
 _RUN_STEPS, _CIRCUIT_STEPS = 75, 20  # of a progress bar, for simulation, and for a circuit
+_TURNS = 3  # of spools and circuits, where jets push spools: each knows the jets from the one before
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +114,7 @@ class Identification:
         """
         toml_ending(path)
         head = [f"{self.before.title}, identified from {self.source} by `polydraulic identify`.", *self.kept]
-        write_text(path, file_text(with_seen(self.data, self.machine), self.changes, head))
+        write_text(path, file_text(with_found(self.data, self.machine), self.changes, head))
 
 
 def toml_ending(path: str | Path) -> None:
@@ -126,8 +135,9 @@ def identify(
 
     For each circuit of valves in series: inlet, bypass and outlet conductances over spool travel, monotone, on knots that are added where blocks of
     time held out ask for them; flow of the pump, and its relief setting and torque limit where rows show them. For each function with voltage and
-    spool: gain, time constant and dead time of its pilot. Masses and friction that are marked: by regression from pressures and positions. What is
-    free and has not the sensors for these: through simulation, from voltages and positions of all functions and whatever else there is.
+    spool: gain, time constant and dead time of its pilot, and hysteresis and flow force of the spool where they are free. Masses and friction that
+    are marked: by regression from pressures and positions. What is free and has not the sensors for these: through simulation, from voltages and
+    positions of all functions and whatever else there is.
     Numbers that the sensors do not determine keep their value. Beyond the travel that the log has, curves go on in the shape they had,
     scaled to meet, and a bypass with its slope until it shuts where it did.
 
@@ -181,7 +191,9 @@ def identify(
     against = against_spools(before, table, segment)
     table = _without(table, [f"{name}.voltage" for name in against])
     runs_well = not lacking_for_runs(before, table)
-    of_circuits, simulated = _CIRCUIT_STEPS * len(before.circuits), _RUN_STEPS if runs_well else 0
+    besides = any(map(is_effect, may.spreads)) or any(map(any, map(declared_effects, before.functions)))
+    turns = _TURNS if besides else 1
+    of_circuits, simulated = _CIRCUIT_STEPS * turns * len(before.circuits), _RUN_STEPS if runs_well else 0
     steps = len(before.functions) + of_circuits + 1 + simulated
     with one_blas_thread():  # matrices are narrow: threads would cost more than they do
         signals: dict[str, Signals] = {}
@@ -190,7 +202,39 @@ def identify(
             signals[f.name] = read_function(
                 before, f, table, segment, raster, may.has(f"functions.{f.name}.pilot.time_constant")
             )
-        so_far = SoFar(before, may, f"identified from {source}")
+        finished = Finished(parts, _digest(table, data, may))
+        spools: dict[str, SpoolFound] = {}
+        at, pilots = len(before.functions), find_pilots(SoFar(before, may, source), signals, raster)
+        shown = {c.name for c in before.circuits} - set(refused_circuits(before, signals, may, len(segment)))
+        of_turn = _CIRCUIT_STEPS * len(shown)
+        of_circuits = turns * of_turn
+        looked = [name for name, s in signals.items() if s.pilot is not None]
+        if not entries_left(SoFar(before, may, source), _taken(before, may, looked, pilots, shown, None)):
+            simulated = 0
+        steps = at + of_circuits + 1 + simulated
+        for turn in range(turns):
+            so_far = SoFar(before, may, f"identified from {source}")
+            pilots = find_pilots(so_far, signals, raster)
+            circuits = find_circuits(
+                so_far,
+                signals,
+                table["time"],
+                segment,
+                raster,
+                finished,
+                lambda place, share, what, done=turn * of_turn: progress(  # type: ignore[misc]
+                    what, at + done + min(int(_CIRCUIT_STEPS * (place + share)), of_turn), steps
+                ),
+                turn,
+            )
+            if turn + 1 == turns > 1:
+                break
+            spools = look_at_spools(so_far, signals, circuits, table, segment)
+            moved = smoothed_again(before, may, signals, spools, table, segment)
+            if not moved:
+                break
+            signals |= moved
+        take_effects(so_far, signals, spools)
         so_far.kept += [f"{name}: has no value in the whole log, and is not used" for name in dead]
         so_far.kept += stuck
         so_far.kept += [f"not used: {', '.join(doubt.columns)}; {doubt.text}" for doubt in doubts]
@@ -199,32 +243,13 @@ def identify(
             "wrong one where the log is imported"
             for name in against
         ]
-        finished = Finished(parts, _digest(table, data, may))
-        at = len(before.functions)
-        pilots = find_pilots(so_far, signals, raster)
-        shown = {c.name for c in before.circuits} - set(refused_circuits(before, signals, may, len(segment)))
-        of_circuits = _CIRCUIT_STEPS * len(shown)
-        if not entries_left(SoFar(before, may, source), _taken(before, pilots, shown, None)):
-            simulated = 0
-        steps = at + of_circuits + 1 + simulated
-        circuits = find_circuits(
-            so_far,
-            signals,
-            table["time"],
-            segment,
-            raster,
-            finished,
-            lambda place, share, what: progress(
-                what, at + min(int(_CIRCUIT_STEPS * (place + share)), of_circuits), steps
-            ),
-        )
         at += of_circuits
         if runs_well and not simulated and shown != set(circuits):  # a circuit whose rows say too little is left over
             simulated = _RUN_STEPS
             steps += simulated
         progress("masses and friction", at, steps)
         mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not runs_well)
-        taken = _taken(before, pilots, circuits, mechanics)
+        taken = _taken(before, may, spools, pilots, circuits, mechanics)
         runs = find_left(
             so_far,
             table,
@@ -245,12 +270,18 @@ def identify(
 
 def _taken(
     machine: LayoutMachine,
+    may: Freedom,
+    spools: Container[str],
     pilots: Container[str],
     circuits: Container[str],
     mechanics: MechanicsFit | None,
 ) -> tuple[str, ...]:
     """Beginnings of paths that need no simulation: their numbers were found, or looked for with better means."""
     found = [f"functions.{f.name}.pilot." for f in machine.functions if f.name in pilots]
+    # without its sensors an effect is for simulation only where a file says how far it may be off
+    found += [
+        p for p, spread in may.spreads.items() if is_effect(p) and (p.split(".")[1] in spools or spread != spread)
+    ]
     for circuit in machine.circuits:
         if circuit.name in circuits:
             found += [f"{circuit.pump_path}.", *(f"functions.{name}.valve." for name in circuit.functions)]

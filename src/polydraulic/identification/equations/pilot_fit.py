@@ -1,10 +1,12 @@
 """A pilot from the joystick's voltage and the spool that follows it, and the spool without the noise of its sensor.
 
 The pilot is tau dx/dt + x = clip(gain v, +-travel) after a dead time. Gain, time constant and dead time are those whose spool, run through
-each piece of the log on the voltage alone, is nearest to the measured one. A smoother (Rauch, Tung and Striebel) then weighs the pilot
-against the sensor: what the spool does besides, by flow forces or friction, is noise that drives it, of the size that the log shows.
+each piece of the log on the voltage alone, is nearest to the measured one. Where jets are known, they may shift the target towards the centre, and
+the measured spool may lag behind x by half of a hysteresis either way, as in a simulation. A smoother (Rauch, Tung and Striebel) then weighs this spool
+against the sensor: what the spool does besides is noise that drives it, of the size that the log shows.
 """
 
+from collections.abc import Container
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +14,7 @@ import numpy as np
 from polydraulic._kernel import driver
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.log_pieces import raster_within
+from polydraulic.machine.play import followed
 from polydraulic.parameters.schema import Pilot
 
 _SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter
@@ -23,6 +26,47 @@ _FOLLOWS = 0.3  # of how much a spool varies, which a pilot that it follows leav
 _BLOCK = 5.0  # s, after which errors are independent
 # what drives the spool besides the pilot, as a share of the sensor's noise in a row
 _ROUGHNESS = np.geomspace(1e-3, 1.0, 25)
+_SMALL = 0.01  # of what is unsure of jets, around which the spool is linear in it
+_LITTLE, _MOST = 0.01, 100.0  # of the travel: an effect that counts as one, and how many of these it may be
+
+
+class SpoolEffects(NamedTuple):
+    """What keeps a spool from where its pilot drives it.
+
+    Attributes
+    ----------
+    hysteresis : float, m
+    shift : float, m/(m3/s Pa^0.5)
+        Towards the centre, for each unit of its jets (`prepare_shift`).
+    """
+
+    hysteresis: float = 0.0
+    shift: float = 0.0
+
+
+NONE = SpoolEffects()
+
+
+class Jets(NamedTuple):
+    """Jets of one valve, conductance times drop at its inlet and outlet.
+
+    Attributes
+    ----------
+    strength : (n_row,) array, m3/s Pa^0.5
+        NaN in rows in which a sensor of the circuit is silent.
+    unsure : (n_number, n_row) array
+        What a standard error of each conductance at a knot that was found makes of it.
+    noise : (n_row,) array
+        What noise as that of the sensors would make of it, once more.
+    """
+
+    strength: np.ndarray
+    unsure: np.ndarray
+    noise: np.ndarray
+
+    def at(self, rows: np.ndarray) -> "Jets":
+        """Those rows, an array of bool."""
+        return Jets(self.strength[rows], self.unsure[:, rows], self.noise[rows])
 
 
 class PilotFit(NamedTuple):
@@ -37,17 +81,22 @@ class PilotFit(NamedTuple):
         Of what is left of the spool.
     rows : int
         That say something.
+    effects, effect_errors : SpoolEffects
+        What the spool does besides, and standard errors of it.
     """
 
     pilot: Pilot
     errors: Pilot
     rms: float
     rows: int
+    effects: SpoolEffects = NONE
+    effect_errors: SpoolEffects = NONE
 
 
 def fit_pilot(
-    time: np.ndarray, segment: np.ndarray, voltage: np.ndarray, spool: np.ndarray, travel: float, start: Pilot
-) -> PilotFit | None:
+    time: np.ndarray, segment: np.ndarray, voltage: np.ndarray, spool: np.ndarray, travel: float, start: Pilot,
+    effects: SpoolEffects = NONE, jets: Jets | None = None, free: Container[str] = (),
+) -> PilotFit | None:  # fmt: skip
     """Pilot whose spool is nearest to the measured one; None where the log does not tell.
 
     Parameters
@@ -61,6 +110,12 @@ def fit_pilot(
         Beyond which the spool does not go.
     start : Pilot
         To begin from.
+    effects : SpoolEffects
+        What the spool is known to do besides.
+    jets : Jets, optional
+        None if not given.
+    free : container of str
+        Which of the effects are to be found as well.
     """
     from scipy.optimize import least_squares
 
@@ -72,16 +127,32 @@ def fit_pilot(
     moving = use & (np.abs(voltage) > 0.05 * np.abs(voltage).max(initial=1e-300))
     if moving.sum() < _LEAST_ROWS or np.ptp(spool[use]) < 20.0 * step * 1e-6:
         return None
-    scale = np.array([start.gain, lag0, 0.05])
+    strength = None if jets is None else jets.strength
+    strong = 1.0 if strength is None else float(np.quantile(strength, 0.99)) or 1.0
+    keys = [key for key in SpoolEffects._fields if key in free]
+    # of each effect: what counts as one, the least, and what to begin from
+    usual = {"hysteresis": (_LITTLE * travel, 0.0, 1.0), "shift": (_LITTLE * travel / strong, -_MOST, 0.0)}
+    more = np.array([usual[key] for key in keys]).reshape(-1, 3).T
+    scale = np.array([start.gain, lag0, 0.05, *more[0]])
 
-    def off(x: np.ndarray) -> np.ndarray:
-        pilot = Pilot(*(x * scale).tolist())
-        return (driven_spool(pilot, travel, time, pieces, voltage, spool, step) - spool)[use]
+    def off(x: np.ndarray, jets: np.ndarray | None) -> np.ndarray:
+        pilot, does = numbers(x)
+        return (driven_spool(pilot, travel, time, pieces, voltage, spool, step, does, jets) - spool)[use]
 
-    low, high = np.array([1e-3, 0.1 * step / lag0, 0.0]), np.array([1e3, 100.0, _LONGEST_DEAD / scale[2]])
+    def numbers(x: np.ndarray) -> tuple[Pilot, SpoolEffects]:
+        values = (x * scale).tolist()
+        return Pilot(*values[:3]), effects._replace(**dict(zip(keys, values[3:], strict=True)))
+
+    low = np.array([1e-3, 0.1 * step / lag0, 0.0, *more[1]])
+    high = np.array([1e3, 100.0, _LONGEST_DEAD / scale[2], *np.full(len(keys), _MOST)])
     begin = np.clip(
-        [_first_gain(voltage[use], spool[use], travel) / start.gain, 1.0, 0.5 * start.dead_time / scale[2] + 0.1],
-        low * 1.01,
+        [
+            _first_gain(voltage[use], spool[use], travel) / start.gain,
+            1.0,
+            0.5 * start.dead_time / scale[2] + 0.1,
+            *more[2],
+        ],
+        low + 0.01 * np.abs(low),
         high * 0.99,
     )
     found = least_squares(
@@ -91,16 +162,25 @@ def fit_pilot(
         loss="soft_l1",
         f_scale=3.0 * max(noise_level(spool, segment), 1e-7),
         max_nfev=60,
+        args=(strength,),
     )
-    errors = _errors(found.jac, found.fun, (time[use] // _BLOCK).astype(np.int64)) * scale
-    pilot = Pilot(*(found.x * scale).tolist())
+    scatter = _errors(found.jac, found.fun, (time[use] // _BLOCK).astype(np.int64))
+    pilot, does = numbers(found.x)
+    errors = scale * scatter
+    if jets is not None and does.shift:
+        bread = np.linalg.pinv(found.jac)
+        parts = [(jets.noise, 1.0), *((part, _SMALL) for part in jets.unsure)]
+        moved = [bread @ (off(found.x, jets.strength + by * part) - found.fun) / by for part, by in parts]
+        errors = scale * np.linalg.norm([scatter, *moved], axis=0)
     if not pilot.gain > _SURE * errors[0]:  # as of a voltage of the wrong sign, against which the spool goes
         return None
     return PilotFit(
         pilot,
-        Pilot(*errors.tolist()),
-        float(np.sqrt(np.mean(off(found.x) ** 2))),
+        Pilot(*errors[:3].tolist()),
+        float(np.sqrt(np.mean(off(found.x, strength) ** 2))),
         int(moving.sum()),
+        does,
+        NONE._replace(**dict(zip(keys, errors[3:].tolist(), strict=True))),
     )
 
 
@@ -154,11 +234,16 @@ def driven_spool(
     voltage: np.ndarray,
     spool: np.ndarray,
     step: float,
+    effects: SpoolEffects = NONE,
+    jets: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Spool that the voltage alone drives through each piece from where it is measured at first, (n_row,) in m."""
+    """Spool that voltage and jets alone drive through each piece from where it is measured at first, (n_row,) in m."""
     keep, pushed = _pushed(pilot, travel, time, pieces, voltage, step)
-    found = np.empty(len(spool))
-    _run(pieces, pushed, spool, keep, found)
+    found, back = np.empty(len(spool)), np.zeros(len(spool))
+    if jets is not None:
+        back = effects.shift * jets
+    target = np.clip(pilot.gain * voltage, -travel, travel)
+    _run(pieces, pushed, spool, target, back, keep, 0.5 * effects.hysteresis, found)
     return found
 
 
@@ -170,10 +255,15 @@ def smooth_spool(
     voltage: np.ndarray,
     spool: np.ndarray,
     noise: float,
+    effects: SpoolEffects = NONE,
+    jets: np.ndarray | None = None,
 ) -> tuple[np.ndarray, float]:
     """Spool, (n_row,) in m, from pilot and sensor together, and the standard deviation of what it is off by."""
     pieces, step = pieces_of(segment), raster_within(time, segment)
     keep, pushed = _pushed(pilot, travel, time, pieces, voltage, step)
+    if effects != NONE:
+        driven = driven_spool(pilot, travel, time, pieces, voltage, spool, step, effects, jets)
+        pushed = driven - keep * np.concatenate([driven[:1], driven[:-1]])
     found, work = np.empty(len(spool)), np.empty((len(spool), 3))
     r = max(noise, 1e-9) ** 2
     likely = [_smoothed(pieces, pushed, spool, keep, r * share * share, r, found, work)[0] for share in _ROUGHNESS]
@@ -238,16 +328,24 @@ def _run(
     pieces: np.ndarray,
     pushed: np.ndarray,
     spool: np.ndarray,
+    target: np.ndarray,
+    back: np.ndarray,
     keep: float,
+    half: float,
     found: np.ndarray,
 ) -> None:
+    """Driver x and the spool s that lags behind it; `back` shifts the target towards the centre, up to which a spool goes."""
     for piece in range(pieces.shape[0]):
         begin, end = pieces[piece, 0], pieces[piece, 1]
-        x = spool[begin]
-        found[begin] = x
+        s = spool[begin]
+        x = followed(target[begin], s, half)  # as if the pilot had settled
+        found[begin] = s
         for k in range(begin + 1, end):
             x = keep * x + pushed[k]
-            found[k] = x
+            less = min((1.0 - keep) * 0.5 * (back[k - 1] + back[k]), abs(x))
+            x = x - less if x >= 0.0 else x + less
+            s = followed(s, x, half)
+            found[k] = s
 
 
 @driver

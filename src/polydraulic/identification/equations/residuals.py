@@ -12,11 +12,13 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.slots import residual
 from polydraulic.identification.equations.fit.circuit_fit import CircuitModel, flows_of
+from polydraulic.identification.equations.fit.jets import jets_of
 from polydraulic.identification.equations.fit.valve_curves import Curves
 from polydraulic.identification.equations.identify import Identification
 from polydraulic.identification.equations.observations import blocks_of_time
 from polydraulic.identification.equations.pilot_fit import driven_spool, pieces_of
-from polydraulic.identification.equations.ways.by_flows import STEP_LAG
+from polydraulic.identification.equations.sensors import read_function
+from polydraulic.identification.equations.ways.by_spools import STEP_LAG, declared_effects
 from polydraulic.identification.log_pieces import raster_within
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import spool_edges
@@ -141,11 +143,13 @@ def residual_rows(machine: LayoutMachine, circuit: SupplyCircuit, log: Table) ->
     segment = np.concatenate([[0], np.cumsum(_jumps(log))])
     pieces, step = pieces_of(segment), raster_within(time, segment)
     travel, p_in = (np.empty((len(time), len(circuit.functions))) for _ in range(2))
+    jets = _jets(machine, circuit, log, segment, step)
     for k, name in enumerate(circuit.functions):
         f = machine.function(name)
         pilot = f.pilot._replace(dead_time=f.pilot.dead_time + STEP_LAG)
         voltage, spool = log[f"{name}.voltage"], log[f"{name}.spool"]
-        driven = driven_spool(pilot, f.valve.knots[-1], time, pieces, voltage, spool, step)
+        does = declared_effects(f)
+        driven = driven_spool(pilot, f.valve.knots[-1], time, pieces, voltage, spool, step, does, jets.get(name))
         travel[:, k] = np.abs(driven)
         p_in[:, k] = np.maximum(np.where(driven > 0.0, log[f"{name}.p_a"], log[f"{name}.p_b"]), 0.0)
     valves = [machine.function(name).valve for name in circuit.functions]
@@ -156,6 +160,18 @@ def residual_rows(machine: LayoutMachine, circuit: SupplyCircuit, log: Table) ->
     opens = np.array([spool_edges(v)[0] for v in valves])
     told = (travel > opens) & (flows > 0.0) & (p_in < _BELOW * circuit.pump.relief)
     return np.hstack([travel, p_in]), np.where(told, measured - flows, np.nan)
+
+
+def _jets(
+    machine: LayoutMachine, circuit: SupplyCircuit, log: Table, segment: np.ndarray, raster: float
+) -> dict[str, np.ndarray]:
+    """Jets of functions, where one at least declares that they push its spool back."""
+    if all(machine.function(name).effects.flow_force is None for name in circuit.functions):
+        return {}
+    signals = {
+        name: read_function(machine, machine.function(name), log, segment, raster, False) for name in circuit.functions
+    }
+    return {name: jets.strength for name, jets in jets_of(machine, circuit, signals, segment, {}).items()}
 
 
 def _jumps(log: Table) -> np.ndarray:

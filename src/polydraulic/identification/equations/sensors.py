@@ -7,7 +7,7 @@ import numpy as np
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
 from polydraulic.identification.equations.parabolas import local_parabolas
-from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, moves_against, smooth_spool
+from polydraulic.identification.equations.pilot_fit import Jets, PilotFit, fit_pilot, moves_against, smooth_spool
 from polydraulic.identification.plausible import position_column
 from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction
@@ -74,24 +74,13 @@ def read_function(
     fits_pilot : bool
         Whether the pilot is to be found from the log; otherwise it is that of the machine.
     """
-    time, of = table["time"], f.name
+    of = f.name
     found = {what: table.columns.get(f"{of}.{what}") for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
     noise = {}
     for what, values in found.items():
         if values is not None:
             known = ~np.isnan(values)
             noise[what] = noise_level(values[known], segments_of(segment, known))
-    spool, voltage, pilot, scale = found["spool"], found["voltage"], None, 0.0
-    travel = f.valve.knots[-1]
-    if spool is not None and voltage is not None:
-        both = table.known([f"{of}.voltage", f"{of}.spool"])
-        rows = time[both], segments_of(segment, both), voltage[both], spool[both]
-        pilot = fit_pilot(*rows, travel, f.pilot) if _follow(rows[1]) else None
-        if pilot is not None:
-            own = pilot.pilot if fits_pilot else f.pilot
-            scale = pilot.errors.gain / own.gain if fits_pilot else 0.0
-            smooth, noise["spool"] = smooth_spool(own, travel, *rows, noise["spool"])
-            spool = _at_rows(both, smooth)
     place = position_column(machine, f)
     volume_a = volume_b = None
     if place in table.names:
@@ -108,15 +97,67 @@ def read_function(
     rate_a, rate_b, volume_rate_a, volume_rate_b = (
         None if v is None else _rate(v, segment, raster) for v in (p_a, p_b, volume_a, volume_b)
     )
-    return Signals(
-        spool, p_a, p_b, rate_a, rate_b, found["q_in"], found["q_out"], volume_a, volume_b, volume_rate_a, volume_rate_b, noise, pilot,
-        scale,
+    signals = Signals(
+        found["spool"], p_a, p_b, rate_a, rate_b, found["q_in"], found["q_out"], volume_a, volume_b, volume_rate_a, volume_rate_b, noise,
+        None,
     )  # fmt: skip
+    if found["spool"] is None or found["voltage"] is None:
+        return signals
+    log = spool_log(f, table, segment)
+    pilot = None if log is None else fit_pilot(*log[1:], f.valve.knots[-1], f.pilot)
+    return signals if pilot is None else smoothed_by(signals, f, pilot, table, segment, fits_pilot)
+
+
+def spool_log(
+    f: MachineFunction, table: Table, segment: np.ndarray, jets: Jets | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
+    """Rows with voltage, spool and, if they are given, jets, (n_row,) array of bool; their time, segment, voltage and spool.
+
+    None where no row follows another one.
+    """
+    names = [f"{f.name}.voltage", f"{f.name}.spool"]
+    rows = table.known(names)
+    if jets is not None:
+        rows &= np.isfinite(jets.strength)
+    pieces = segments_of(segment, rows)
+    voltage, spool = (table.columns[name][rows] for name in names)
+    return (rows, table["time"][rows], pieces, voltage, spool) if _follow(pieces) else None
 
 
 def _follow(segment: np.ndarray) -> bool:
     """Whether any row follows another one."""
     return bool((np.diff(segment) == 0).any())
+
+
+def smoothed_by(
+    s: Signals,
+    f: MachineFunction,
+    fit: PilotFit,
+    table: Table,
+    segment: np.ndarray,
+    fits_pilot: bool,
+    jets: Jets | None = None,
+) -> Signals:
+    """Signals whose spool is that of the sensor, smoothed by a pilot and the effects that were found with it.
+
+    Parameters
+    ----------
+    s : Signals
+    f : MachineFunction
+    fit : PilotFit
+    table, segment, fits_pilot
+        As for `read_function`.
+    jets : Jets, optional
+        Where they are known.
+    """
+    log = spool_log(f, table, segment, jets)
+    assert log is not None
+    rows, time, pieces, voltage, measured = log
+    own, sensor = fit.pilot if fits_pilot else f.pilot, noise_level(measured, pieces)
+    strength = None if jets is None else jets.strength[rows]
+    spool, left = smooth_spool(own, f.valve.knots[-1], time, pieces, voltage, measured, sensor, fit.effects, strength)
+    scale = fit.errors.gain / own.gain if fits_pilot else 0.0
+    return s._replace(spool=_at_rows(rows, spool), noise=s.noise | {"spool": left}, pilot=fit, scale=scale)
 
 
 def _rate(values: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:

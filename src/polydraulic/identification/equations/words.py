@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.display import amount
+from polydraulic.identification.equations.free_numbers import CURVES
 from polydraulic.pages.text import text_table
 
 VALVE_HEADS = ("valve", "rows", "knots", "travel seen", "q_in, of the pump", "q_out, of the pump")
@@ -34,14 +35,23 @@ def valve_rows(found: Any, units: str) -> list[list[str]]:
 def number_rows(found: Any, units: str) -> list[list[str]]:
     """Texts under `NUMBER_HEADS`: single numbers, and those of curves that were not fitted as curves."""
     before = {n.path: (n.value, n.quantity.unit) for n in found.before.numbers}
-    fitted = [f"functions.{name}.valve." for c in found.circuits.values() for name in c.valves]
+    units_now = {n.path: n.quantity.unit for n in found.machine.numbers}
+    fitted = {
+        f"functions.{name}.valve.{key}"
+        for c in found.circuits.values()
+        for name in c.valves
+        for key in ("knots", *CURVES)
+    }
     rows = []
     for path, new in found.changes.items():
-        if path.startswith(tuple(fitted)):
+        if path in fitted:
             continue
         many = not isinstance(new.value, float)
         values, errors = (new.value, new.uncertainty) if many else ((new.value,), (new.uncertainty,))
         for place, (value, error) in enumerate(zip(values, errors, strict=True)):
+            if path not in before and not many:  # an effect that was not declared
+                rows.append([path, "none", *(amount(v, units_now[path], units) for v in (value, error))])
+                continue
             old, unit = before[f"{path}[{place}]" if many else path]
             if value != old or 0.0 < error < float("inf"):
                 at = _at_knot(found.machine, path, place, units) if many else ""

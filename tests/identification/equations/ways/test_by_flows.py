@@ -1,4 +1,4 @@
-"""What is said of circuits and pilots that were found by flows: every threshold from both sides."""
+"""What is said of circuits that were found by flows: every threshold from both sides."""
 
 from types import SimpleNamespace
 
@@ -8,8 +8,7 @@ import pytest
 from polydraulic import load_machine
 from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
 from polydraulic.identification.equations.free_numbers import Freedom, entries_of
-from polydraulic.identification.equations.pilot_fit import PilotFit, told_dead_time
-from polydraulic.identification.equations.ways.by_flows import _circuit_changes, _pilot_changes, _refused, _remarks
+from polydraulic.identification.equations.ways.by_flows import _circuit_changes, _refused, _remarks
 from polydraulic.parameters.layout.parts import ValveCurves
 
 MACHINE = load_machine("cat215b")
@@ -90,17 +89,3 @@ def test_what_a_log_does_not_show_of_a_circuit_is_kept_and_said():
         "functions.boom.valve.outlet_negative: kept; the log has too few rows with a spool on that side and a flow out",
         "circuits.boom.pump.relief: kept; the log does not show it",
     ]
-
-
-@pytest.mark.parametrize(
-    ("late", "error", "dead"),
-    [(0.0101, 0.0033, 0.0101), (0.0098, 0.0033, 0.0), (1.01e-3, 1e-5, 1.01e-3), (0.99e-3, 1e-5, 0.0)],
-)
-def test_a_dead_time_is_three_standard_errors_and_a_millisecond(late, error, dead):
-    """What is less is a little more of the lag; 2.5 ms are the step's, which a run adds to each."""
-    assert told_dead_time(late, error) == dead
-    f = MACHINE.function("boom")
-    pilot, errors = f.pilot._replace(dead_time=late + 2.5e-3), f.pilot._replace(dead_time=error)
-    changes = _pilot_changes(f, PilotFit(pilot, errors, 1e-5, 700), FREE, "log.csv")
-    assert changes["functions.boom.pilot.dead_time"].value == pytest.approx(dead)
-    assert changes["functions.boom.pilot.time_constant"].value == pytest.approx(pilot.time_constant + late - dead)

@@ -1,4 +1,4 @@
-"""Pilots from voltages and spools, and circuits from spools, pressures and flows."""
+"""Circuits from spools, pressures and flows."""
 
 from collections.abc import Callable
 
@@ -9,38 +9,15 @@ from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFoun
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom
 from polydraulic.identification.equations.identified_file import Identified
-from polydraulic.identification.equations.pilot_fit import PilotFit, told_dead_time
 from polydraulic.identification.equations.sensors import Signals, missing_for_circuit
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.plausible import contradictions
-from polydraulic.parameters.layout.parts import MachineFunction, Seen, SupplyCircuit
+from polydraulic.parameters.layout.parts import Seen, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import segments_of
 
 LEAST_ROWS = 500
-_SELDOM = 0.5  # of a time constant between rows, beyond which a pilot moves between them
-STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
 _KNOWN = 0.1  # of a conductance: one whose standard error is larger is told
-
-
-def find_pilots(so_far: SoFar, signals: dict[str, Signals], raster: float) -> dict[str, PilotFit]:
-    """Pilots of the functions whose voltage and spool the log has, with rows so many seconds apart."""
-    found = {}
-    for f in so_far.machine.functions:
-        pilot = signals[f.name].pilot
-        if not any(so_far.may.has(f"functions.{f.name}.pilot.{key}") for key in f.pilot._fields):
-            continue
-        if pilot is None:
-            so_far.lacks[f"functions.{f.name}.pilot"] = "the log has no voltage with a spool that follows it"
-        else:
-            found[f.name] = pilot
-            so_far.take(_pilot_changes(f, pilot, so_far.may, so_far.from_log))
-            if raster > _SELDOM * pilot.pilot.time_constant:
-                so_far.remarks.append(
-                    f"functions.{f.name}.pilot: rows come every {raster:g} s, and its time constant is {pilot.pilot.time_constant:.3g} s: what the lever "
-                    "does between rows is not seen, so that time constant and dead time may be off by more than their standard errors"
-                )
-    return found
 
 
 def find_circuits(
@@ -51,6 +28,7 @@ def find_circuits(
     raster: float,
     finished: Finished,
     tell: Callable[[int, float, str], object],
+    turn: int = 0,
 ) -> dict[str, CircuitFound]:
     """Circuits whose sensors the log has; finished ones as they were.
 
@@ -63,6 +41,8 @@ def find_circuits(
     finished : Finished
     tell : callable
         Told the place of a circuit among those that are not refused, about which share of it is done, and what is being done.
+    turn : int
+        How often circuits have been fitted before, to spools of which less was known.
     """
     machine, may, found = so_far.machine, so_far.may, {}
     refused = refused_circuits(machine, signals, may, len(time))
@@ -70,7 +50,8 @@ def find_circuits(
     for place, circuit in enumerate(c for c in machine.circuits if c.name not in refused):
         rows = _known_rows(circuit, signals, len(time))
         own = {name: signals[name].at(rows) for name in circuit.functions}
-        known = finished.circuit(circuit.name)
+        kept_as = f"{circuit.name}-{turn}" if turn else circuit.name
+        known = finished.circuit(kept_as)
         if known is None:
             fitted = identify_circuit(
                 machine, circuit, own, time[rows], segments_of(segment, rows), raster, _free_pump(circuit, may),
@@ -79,7 +60,7 @@ def find_circuits(
             if isinstance(fitted, str):
                 so_far.lacks[f"circuits.{circuit.name}"] = fitted
                 continue
-            finished.keep(circuit.name, fitted)
+            finished.keep(kept_as, fitted)
             known = fitted
         found[circuit.name] = known
         so_far.take(_circuit_changes(machine, circuit, known, may, so_far.from_log, so_far.kept))
@@ -139,19 +120,6 @@ def _free_pump(circuit: SupplyCircuit, may: Freedom) -> dict[str, float]:
         if may.has(path):
             found[name] = may.spread(path, SPREADS[key] * float(getattr(circuit.pump, key)))
     return found
-
-
-def _pilot_changes(f: MachineFunction, found: PilotFit, may: Freedom, from_log: str) -> dict[str, Identified]:
-    source = f"{from_log}: spool after voltage, {found.rows} rows, {amount(found.rms, 'm')} rms left"
-    late = max(found.pilot.dead_time - STEP_LAG, 0.0)
-    dead = told_dead_time(late, found.errors.dead_time)
-    # what is not told from no dead time is a little more of the lag, which trades against it
-    values = found.pilot._replace(dead_time=dead, time_constant=found.pilot.time_constant + late - dead)
-    return {
-        f"functions.{f.name}.pilot.{key}": Identified(value, error, source)
-        for key, value, error in zip(values._fields, values, found.errors, strict=True)
-        if may.has(f"functions.{f.name}.pilot.{key}")
-    }
 
 
 def _circuit_changes(

@@ -101,6 +101,11 @@ def entries_left(so_far: SoFar, taken: tuple[str, ...]) -> dict[str, float]:
     for path, spread in so_far.may.spreads.items():
         if path.startswith((*taken, *unlimited)):
             continue
+        if path not in largest:
+            so_far.kept.append(
+                f"{path}: kept; the machine does not declare it, and it shows between a pilot and its measured spool alone"
+            )
+            continue
         above, _, last = path.rpartition(".")
         shown = is_mechanical(path) if path.startswith("links.") else last in _SHOWN.get(above.split(".")[-1], ())
         if np.isfinite(spread) or (shown and (largest[path] > 0.0 or last == "dead_time")):

@@ -1,6 +1,7 @@
 """What has been found so far: new values of entries, what kept its value and why, what is known only together with others."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +50,12 @@ class SoFar:
         """The machine with all that was found."""
         of = self.machine.functions
         return self.machine._replace(functions=tuple(f._replace(seen=self.seen.get(f.name, f.seen)) for f in of))
+
+    def declare(self, function: str, **effects: Any) -> None:
+        """Let a function have other effects, values as in `Effects`."""
+        of = self.machine.functions
+        new = (f._replace(effects=f.effects._replace(**effects)) if f.name == function else f for f in of)
+        self.machine = self.machine._replace(functions=tuple(new))
 
     def take(self, changes: dict[str, Identified]) -> None:
         """Take new values of entries."""

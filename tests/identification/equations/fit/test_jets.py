@@ -1,0 +1,95 @@
+"""Jets of a circuit's valves: conductance times drop, whatever sensors there are."""
+
+import numpy as np
+import pytest
+
+from helpers.machine_log import machine_log
+from polydraulic import load_machine
+from polydraulic.identification.equations.fit.jets import jets_of
+from polydraulic.identification.equations.sensors import Signals
+
+MACHINE = load_machine("cat215b")
+VALVE = MACHINE.function("boom").valve
+CIRCUIT = MACHINE.circuit("boom")
+NOISE = dict.fromkeys(("p_a", "p_b"), 1e5) | {"q_out": 8e-6}
+
+
+def jets(spool, p_a, p_b, q_out=None, errors=None):
+    rows = [np.full(12, value) for value in (spool, p_a, p_b)]
+    flow = None if q_out is None else np.full(12, q_out)
+    s = Signals(*rows, None, None, None, flow, None, None, NOISE, None)
+    return jets_of(MACHINE, CIRCUIT, {"boom": s}, np.zeros(12), errors or {})["boom"]
+
+
+def conductance(spool, curve):
+    return float(np.interp(abs(spool), VALVE.knots, getattr(VALVE, curve)))
+
+
+@pytest.mark.parametrize("spool", [8e-3, -8e-3])
+def test_jets_are_conductance_times_drop(spool):
+    """The pump's pressure is what its whole flow makes of a shut bypass."""
+    full, low = np.copysign(VALVE.knots[-1], spool), 2e6
+    ports = (1e7, 6e6) if spool > 0.0 else (6e6, 1e7)
+    outlet = conductance(full, "outlet_positive" if spool > 0.0 else "outlet_negative")
+    inlet = conductance(full, "inlet")
+    by_hand = CIRCUIT.pump.flow**2 / inlet + outlet * (6e6 - MACHINE.tank.return_pressure)
+    assert jets(full, *ports).strength == pytest.approx(np.full(12, by_hand), rel=1e-6)
+    assert jets(0.0, *ports).strength == pytest.approx(np.zeros(12), abs=1e-6)
+    assert jets(full, *ports).strength[0] > jets(full, *(p - low for p in ports)).strength[0]
+
+
+def test_a_wide_outlet_is_known_by_its_flow_and_a_narrow_one_by_its_drop():
+    wide, narrow = VALVE.knots[-1], VALVE.knots[1] + 2e-4
+    for spool, by_flow in ((wide, True), (narrow, False)):
+        k = conductance(spool, "outlet_positive")
+        drop = 1e6
+        more = [
+            jets(spool, 1e7, MACHINE.tank.return_pressure + drop, q).strength[0]
+            for q in (k * drop**0.5, 1.1 * k * drop**0.5)
+        ]
+        without = jets(spool, 1e7, MACHINE.tank.return_pressure + drop).strength[0]
+        assert more[0] == pytest.approx(without, rel=1e-9)
+        share = (more[1] - more[0]) / (0.21 * k * drop)  # 1 where the flow alone counts
+        assert (share > 0.8) == by_flow
+        assert 0.0 <= share <= 1.0
+
+
+def test_what_is_unsure_of_curves_is_unsure_of_jets():
+    spool = 0.5 * (VALVE.knots[2] + VALVE.knots[3])
+    none = jets(spool, 1e7, 6e6)
+    assert none.unsure.shape == (0, 12)
+    error = {key: np.zeros(len(VALVE.knots)) for key in ("inlet", "outlet_positive", "outlet_negative")}
+    error["outlet_positive"][3] = 0.1 * VALVE.outlet_positive[3]
+    error["outlet_negative"][3] = 0.1 * VALVE.outlet_negative[3]  # of the other side
+    error["inlet"][-1] = np.nan
+    (own,) = jets(spool, 1e7, 6e6, errors={"boom": error}).unsure
+    k = conductance(spool, "outlet_positive")
+    assert own == pytest.approx(np.full(12, 0.05 * k * (6e6 - MACHINE.tank.return_pressure)))
+
+
+def test_noise_once_more_is_as_large_as_that_of_the_sensors():
+    log = machine_log(120.0)
+    s = Signals(*(log[f"boom.{what}"] for what in ("spool", "p_a", "p_b")), *[None] * 6, NOISE, None)
+    noise = jets_of(MACHINE, CIRCUIT, {"boom": s}, log["segment"], {})["boom"].noise
+    open_ = log["boom.spool"] > VALVE.knots[3]
+    drop = log["boom.p_b"] - MACHINE.tank.return_pressure > 1e6
+    here = open_ & drop
+    k = np.interp(log["boom.spool"][here], VALVE.knots, VALVE.outlet_positive)
+    # a parabola through five rows leaves the root of 17/35 of white noise
+    assert np.std(noise[here] / k) == pytest.approx(1e5 * np.sqrt(17.0 / 35.0), rel=0.15)
+
+
+def test_rows_in_which_a_sensor_is_silent_have_no_jets():
+    p_a = np.full(12, 1e7)
+    p_a[:3] = np.nan
+    q_out = np.full(12, 1e-3)
+    q_out[-2:] = np.nan
+    s = Signals(np.full(12, 1e-2), p_a, np.full(12, 6e6), None, None, None, q_out, None, None, NOISE, None)
+    found = jets_of(MACHINE, CIRCUIT, {"boom": s}, np.zeros(12), {})["boom"]
+    assert np.isnan(found.strength[:3]).all()
+    assert np.isfinite(found.strength[3:]).all()
+    assert found.at(np.isfinite(found.strength)).noise.shape == (9,)
+    drop = conductance(1e-2, "outlet_positive") * (6e6 - MACHINE.tank.return_pressure)
+    without = jets(1e-2, 1e7, 6e6).strength[0]
+    assert found.strength[-1] == pytest.approx(without)
+    assert abs(found.strength[5] - without) > 1e-3 * drop
