@@ -12,7 +12,8 @@ from polydraulic.identification.equations.fit.jets import jets_of
 from polydraulic.identification.equations.free_numbers import Freedom, entries_of
 from polydraulic.identification.equations.pilot_fit import PilotFit, SpoolEffects, driven_spool, told_dead_time
 from polydraulic.identification.equations.sensors import Signals
-from polydraulic.identification.equations.ways.by_spools import _pilot_changes
+from polydraulic.identification.equations.ways.by_spools import _pilot_changes, _unlike_a_run
+from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.machine.play import prepare_shift
 from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.tables import Table
@@ -122,6 +123,18 @@ def test_sensors_that_do_not_tell_are_named():
         identify(without("boom.spool"), MACHINE, free=[PLAY])
     with pytest.raises(InputError, match=f"{FORCE}: kept; the log has no boom.p_a, boom.p_b"):
         identify(without("boom.p_a", "boom.p_b"), MACHINE, free=[FORCE])
+    found = identify(without("boom.p_a", "boom.p_b"), MACHINE, free=[PLAY])
+    (doubt,) = (line for line in found.remarks if line.startswith(PLAY))
+    assert "has not the pressures of its circuit" in doubt
+
+
+@pytest.mark.parametrize(("rate", "named"), [(1e5, False), (1e3, True)])
+def test_a_force_that_steps_cannot_follow_is_named(rate, named):
+    so_far = SoFar(MACHINE, FREE, "")
+    so_far.declare("boom", flow_force=SPRING._replace(spring_rate=rate))
+    told = _unlike_a_run(so_far, "boom", "shift", None)
+    assert len(told) == named
+    assert all("functions.boom.valve.flow_force" in line and "steps of 0.005 s can follow" in line for line in told)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.display import amount
+from polydraulic.errors import InputError
 from polydraulic.identification.equations.circuits import CircuitFound
 from polydraulic.identification.equations.fit.jets import Jets, jets_of
 from polydraulic.identification.equations.free_numbers import EFFECTS, Freedom
@@ -15,9 +16,11 @@ from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.machine.play import prepare_shift
 from polydraulic.parameters.layout.parts import FlowForce, MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.prepare import flow_force_shift
 from polydraulic.tables import Table
 
-STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
+_STEP = 5e-3  # s, as `simulate` has it unless told otherwise
+STEP_LAG = 0.5 * _STEP  # for which it holds a voltage, and so adds to every dead time
 # standard errors and share of the travel, below which an effect counts as none
 _SURE, _LEAST = 3.0, 2e-3
 _USUAL = FlowForce(
@@ -201,6 +204,7 @@ def _take(so_far: SoFar, f: MachineFunction, key: str, s: SpoolFound) -> None:
             spring = _spring(f, value)
             value, error = spring, spring * error / value
         so_far.take({path: Identified(value, error, source)})
+        so_far.remarks += _unlike_a_run(so_far, f.name, key, s)
     elif key == "hysteresis":
         least = amount(s.least.hysteresis, "m", digits=2)
         so_far.kept.append(f"{path}: none; the log would show {least}")
@@ -210,6 +214,18 @@ def _take(so_far: SoFar, f: MachineFunction, key: str, s: SpoolFound) -> None:
         least = amount(_spring(f, s.least.shift), "N/m", digits=2)
         so_far.kept.append(f"{path.rpartition('.')[0]}: none; the log would show that of a spring of {least}")
         so_far.declare(f.name, flow_force=None)
+
+
+def _unlike_a_run(so_far: SoFar, name: str, key: str, s: SpoolFound) -> list[str]:
+    """What keeps a run from having the effect as it was found."""
+    if key == "hysteresis":
+        doubt = f"functions.{name}.{EFFECTS[key]}: the log has not the pressures of its circuit, so that flow forces, if there are any, are in it"
+        return [doubt] if s.jets is None else []
+    try:
+        flow_force_shift(so_far.machine.function(name), so_far.machine, _STEP)
+    except InputError as error:
+        return [str(error)]
+    return []
 
 
 def _pilot_changes(f: MachineFunction, found: PilotFit, may: Freedom, from_log: str) -> dict[str, Identified]:
