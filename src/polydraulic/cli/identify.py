@@ -52,7 +52,7 @@ def identify(
     is left, through simulation. What the log does not determine keeps its value and is named. A log that determines nothing ends with exit
     code 2, and says why.
 
-    With --residuals, networks learn what the circuits leave of measured flows (flow forces, friction of spools). Those that hold on blocks of time
+    With --residuals, networks learn what the circuits leave of measured flows. Those that hold on blocks of time
     held out are written; `simulate --flow residual --model FILE` adds them to the circuits.
 
     With --plan it says, before anything is fitted, what each further sensor or motion would add. It wants voltages and joints of all functions.
@@ -64,6 +64,9 @@ def identify(
     - Valves of one circuit alone: `polydraulic identify day*.parquet --machine my_machine.toml --free 'functions.boom.valve.*' --out identified.toml`
 
     - Masses and friction as well: `--free 'links.*' --free 'functions.*.friction.*' --free 'functions.*.valve.*'`
+
+    - Spools that lag and are pushed back by jets, of a file that does not say so: `--free 'functions.*.valve.hysteresis' --free
+    'functions.*.valve.flow_force.spring_rate' --free 'functions.*.valve.*' --free 'functions.*.pilot.*' --free 'circuits.*.pump.*'`
 
     - What else to measure: `polydraulic identify table.parquet --machine my_machine.toml --plan`
 
