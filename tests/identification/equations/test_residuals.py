@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from helpers.lagging_log import LAG, SPRING, lagging_log
 from helpers.machine_log import machine_log
 from polydraulic import InputError, load_machine
 from polydraulic.identification import learn_residuals
@@ -58,6 +59,19 @@ def test_rows_are_those_of_a_run(log):
     assert np.isnan(off[np.abs(log["boom.spool"]) < 3e-3]).all()
     told = np.isfinite(off)
     assert np.median(np.abs(off[told])) < 0.02 * machine.circuit("boom").pump.flow
+
+
+def test_spools_are_driven_with_the_effects_that_the_machine_declares(log):
+    lagging, machine = lagging_log(), load_machine("cat215b")
+    table = Table({**lagging.columns, "boom.q_in": log["boom.q_in"]}, log.units)
+    boom = machine.function("boom")
+    knowing = boom._replace(effects=boom.effects._replace(hysteresis=LAG, flow_force=SPRING))
+    off = {}
+    for name, f in (("none", boom), ("both", knowing)):
+        own = machine._replace(functions=tuple(f if g.name == "boom" else g for g in machine.functions))
+        at, _ = residual_rows(own, own.circuit("boom"), table)
+        off[name] = np.std(at[:, 0] - np.abs(table["boom.spool"]))
+    assert off["both"] < 8e-5 < 2e-4 < off["none"]
 
 
 def test_circuits_without_sensors_are_named(log):

@@ -1,51 +1,21 @@
 """Pilots and what spools do besides: found where it is, none where it is not, and named where nobody asked."""
 
-from functools import cache
-
-import numpy as np
 import pytest
 
-from helpers.machine_log import NOISE, machine_log
+from helpers.lagging_log import LAG, SPRING, lagging_log
+from helpers.machine_log import machine_log
 from polydraulic import InputError, load_machine
 from polydraulic.identification import identify
-from polydraulic.identification.equations.fit.jets import jets_of
 from polydraulic.identification.equations.free_numbers import Freedom, entries_of
-from polydraulic.identification.equations.pilot_fit import PilotFit, SpoolEffects, driven_spool, told_dead_time
-from polydraulic.identification.equations.sensors import Signals
+from polydraulic.identification.equations.pilot_fit import PilotFit, told_dead_time
 from polydraulic.identification.equations.ways.by_spools import _pilot_changes, _unlike_a_run
 from polydraulic.identification.equations.ways.so_far import SoFar
-from polydraulic.machine.play import prepare_shift
-from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.tables import Table
 
 MACHINE = load_machine("cat215b")
 FREE = Freedom(dict.fromkeys(entries_of(MACHINE), float("nan")), False)
 PILOTS = ["functions.boom.pilot.*"]
 PLAY, FORCE = "functions.boom.valve.hysteresis", "functions.boom.valve.flow_force.spring_rate"
-LAG, SPRING = 3e-4, FlowForce(8e4, 870.0, np.radians(69.0))
-RASTER = 0.02
-
-
-@cache
-def lagging_log():
-    """A log whose boom has a spool that lags and that its jets push back; pressures stay what they were."""
-    log, f = machine_log(120.0), MACHINE.function("boom")
-    time, segment = log["time"], log["segment"]
-    voltage, spool = log["boom.voltage"], log["boom.spool"]
-    ports = [log[f"boom.{port}"] for port in ("p_a", "p_b")]
-    does = SpoolEffects(LAG, prepare_shift(SPRING))
-    pieces, start = np.array([[0, len(time)]]), np.zeros(len(time))
-    for _ in range(20):  # until jets are those of the spool that they push
-        signals = {"boom": Signals(spool, *ports, *[None] * 6, dict.fromkeys(("p_a", "p_b"), 5e4), None)}
-        jets = jets_of(MACHINE, MACHINE.circuit("boom"), signals, segment, {})["boom"].strength
-        before, spool = (
-            spool,
-            driven_spool(f.pilot, f.valve.knots[-1], time, pieces, voltage, start, RASTER, does, jets),
-        )
-    assert np.abs(spool - before).max() < 1e-5
-    noisy = spool + np.random.default_rng(5).normal(0.0, NOISE["spool"], len(time))
-    names = ["time", "segment", "boom.voltage", "boom.p_a", "boom.p_b"]
-    return Table({name: log[name] for name in names} | {"boom.spool": noisy}, log.units)
 
 
 def test_a_hysteresis_and_a_flow_force_are_found_with_the_pilot():
