@@ -63,3 +63,21 @@ def test_marks_that_cannot_be_are_refused(tmp_path, more, words):
     with pytest.raises(InputError) as error:
         load_machine(path)
     assert words in str(error.value)
+
+
+def test_effects_that_are_not_declared_are_free_where_a_pattern_ends_as_they_do(loader):
+    name = loader.names[0]
+    lag, spring = f"functions.{name}.valve.hysteresis", f"functions.{name}.valve.flow_force.spring_rate"
+    assert set(freedom(loader, {}, ["functions.*.valve.hysteresis"]).spreads) == {
+        f"functions.{other}.valve.hysteresis" for other in loader.names
+    }
+    assert set(freedom(loader, {}, [spring]).spreads) == {spring}
+    assert not any(path in freedom(loader, {}, ["functions.*.valve.*"]).spreads for path in (lag, spring))
+    with pytest.raises(InputError, match="'functions.none.valve.hysteresis' fits no number"):
+        freedom(loader, {}, ["functions.none.valve.hysteresis"])
+    f = loader.function(name)
+    declared = f._replace(effects=f.effects._replace(hysteresis=1e-4))
+    machine = loader._replace(functions=(declared, *loader.functions[1:]))
+    assert freedom(machine, {}, ["functions.*.valve.*"]).has(lag)
+    assert freedom(machine, {}, []).has(lag)
+    assert not freedom(machine, {}, []).has(spring)

@@ -40,6 +40,11 @@ def test_curves_pumps_and_pilots_are_left_unless_they_were_found():
     assert "functions.lift.friction.coulomb" in left
     assert "functions.lift.stops.low" not in left
     assert any(line.startswith("functions.lift.stops.low: kept; sizes, places") for line in named.kept)
+    asked = SoFar(machine, freedom(machine, {}, ["functions.lift.valve.hysteresis"]), "identified from a log")
+    assert not entries_left(asked, ())
+    assert asked.kept == [
+        "functions.lift.valve.hysteresis: kept; the machine does not declare it, and it shows between a pilot and its measured spool alone"
+    ]
 
 
 def test_a_simulation_that_was_interrupted_goes_on(tmp_path, monkeypatch):
