@@ -27,3 +27,8 @@ def noise_level(values: np.ndarray, segment: np.ndarray) -> float:
         return 0.0
     level = np.median(np.abs(rough[within])) / _NORMAL / np.sqrt(np.sum(_WEIGHTS**2))
     return float(max(level, _FINEST * np.ptp(values)))
+
+
+def robust_deviation(values: np.ndarray) -> float:
+    """Standard deviation about zero, by the median; one where nothing is there."""
+    return float(np.median(np.abs(values))) / _NORMAL + 1e-9 if len(values) else 1.0

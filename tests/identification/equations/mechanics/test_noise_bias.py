@@ -43,7 +43,7 @@ def test_the_pull_is_what_noise_makes_of_the_gradient_at_the_truth():
             pieces = [p._replace(position=p.position + way * n) for p, n in zip(clean, noise, strict=True)]
             here = gradient(pieces)
             made.append(here - without)
-            told.append(noise_pull(rows_of, pieces, weight, truth) / length - here)
+            told.append(noise_pull(rows_of, pieces, weight, truth).gradient / length - here)
     own, said = (
         np.mean(of, axis=0)[: len(numbers)] for of in (made, told)
     )  # friction near rest is no matter of small noise

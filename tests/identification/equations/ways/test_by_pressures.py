@@ -1,7 +1,9 @@
 """Masses and friction change where they are marked, or where a log tells nothing else."""
 
+import numpy as np
 import pytest
 
+from helpers.machine_motion import motion_log
 from helpers.operator_log import operator_log
 from polydraulic import load_machine
 from polydraulic.identification import identify
@@ -23,3 +25,19 @@ def test_friction_from_pressures_and_positions_alone():
     assert number.value == pytest.approx(true.function("inner").friction.viscous, abs=4.0 * number.sd, rel=0.0)
     assert all(path.startswith("links.") or ".friction." in path for path in found.changes)
     assert "through simulation: kept; the log has no slew.voltage" in " ".join(found.kept)
+
+
+def test_a_load_during_a_part_of_the_log_is_said():
+    machine = load_machine(NAME)
+    carried = machine.with_values({"links.grapple.mass": machine.link("grapple").mass + 400.0})
+    parts = [motion_log(m, seconds=15.0, noise=1.0, seed=3) for m in (machine, carried)]
+    columns = {n: np.concatenate([part[n] for part in parts]) for n in parts[0].names}
+    columns["segment"] = np.repeat([0.0, 1.0], len(parts[0]))
+    columns["time"] = np.arange(2 * len(parts[0])) * 0.02
+    both = identify(Table(columns, parts[0].units), machine)
+    alone = identify(parts[0], machine)
+    said = [line for line in both.remarks if line.startswith("torques at inner: what the equations leave")]
+    assert len(said) == 1
+    assert "times what noise of the sensors makes; the log has something that they do not, such as a load" in said[0]
+    assert not any("what the equations leave" in line for line in alone.remarks)
+    assert both.mechanics.residual[1] > 3.0 * max(both.mechanics.noise[1], alone.mechanics.residual[1])

@@ -22,7 +22,9 @@ from polydraulic.identification.equations.mechanics.motion_rows import (
     motion_rows,
 )
 from polydraulic.identification.equations.mechanics.noise_bias import noise_pull
+from polydraulic.identification.equations.mechanics.torque_check import check_torques
 from polydraulic.identification.equations.mechanics.weight_widths import weight_widths
+from polydraulic.identification.equations.noise import robust_deviation
 from polydraulic.identification.equations.numbers.estimates import (
     Estimates,
     correlation_of,
@@ -78,7 +80,11 @@ class MechanicsFit(NamedTuple):
     lag : float, s
         By how much pressures are late against positions.
     residual : tuple of float, N m or N
-        Robust standard deviation of each function's torque.
+        Robust standard deviation of what is left of each function's torque.
+    noise : tuple of float, N m or N
+        Of what noise of the sensors alone makes of it.
+    torque : tuple of float, N m or N
+        Root of the mean square of the torque itself.
     """
 
     machine: LayoutMachine
@@ -86,6 +92,8 @@ class MechanicsFit(NamedTuple):
     base: tuple[BaseEstimate, ...]
     lag: float
     residual: tuple[float, ...]
+    noise: tuple[float, ...]
+    torque: tuple[float, ...]
 
 
 def mechanical_spreads(machine: LayoutMachine, share: float = 0.5) -> dict[str, float]:
@@ -133,7 +141,7 @@ def fit_mechanics(
     ------
     InputError
         Missing columns, a step that is negative or not finite, friction that holds or play (which the linear equations do not have), no piece that is
-        long enough, joints that never move steadily.
+        long enough, joints that never move steadily, torques of the oil that do not go with motion (`torque_check`).
     """
     if not 0.0 <= step < np.inf:
         raise InputError(f"step = {step!r} s: must be none or positive, and finite, for example 0.005")
@@ -167,9 +175,13 @@ def fit_mechanics(
         raise InputError(
             f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least"
         )
+    own = [getattr(f.friction, name) for f in machine.functions for name in FRICTION]
+    check_torques(machine, pieces, rows_of, rows, np.concatenate([inertial_values(machine, base.numbers), own, [0.0]]))
     told = _told(rows)
     pull = noise_pull(rows_of, pieces, told.weight, told.solution)
-    return _nearest(machine, numbers, base, told._replace(right=told.right - pull))
+    return _nearest(
+        machine, numbers, base, told._replace(right=told.right - pull.gradient), pull.deviation, _sizes(rows)
+    )
 
 
 class _Told(NamedTuple):
@@ -186,7 +198,7 @@ class _Told(NamedTuple):
 def _told(rows: MotionRows) -> _Told:
     """Weights follow residuals: rows far off count less, and each function counts by its own deviation."""
     n, known = rows.torque.shape[1], rows.known
-    deviation = np.array([_deviation(rows.torque[known[:, k], k]) for k in range(n)])
+    deviation = np.array([robust_deviation(rows.torque[known[:, k], k]) for k in range(n)])
     length = np.sqrt(np.einsum("tkc,tkc->c", rows.regressor, rows.regressor))
     length = np.where(length > 0.0, length, 1.0)
     scaled, far = rows.regressor / length, np.zeros(known.shape)
@@ -196,7 +208,7 @@ def _told(rows: MotionRows) -> _Told:
         right = np.einsum("tkc,tk->c", scaled, weight * rows.torque)
         x = np.linalg.lstsq(information, right, rcond=1e-12)[0]
         off = scaled @ x - rows.torque
-        deviation = np.array([_deviation(off[known[:, k], k]) for k in range(n)])
+        deviation = np.array([robust_deviation(off[known[:, k], k]) for k in range(n)])
         far = np.abs(off) / deviation
     gradient = np.einsum("tkc,tk->tc", scaled, weight * off)
     blocks = np.unique((rows.time // _BLOCK).astype(int), return_inverse=True)[1]
@@ -208,12 +220,14 @@ def _told(rows: MotionRows) -> _Told:
     return _Told(information * both, right * length, scatter * both, deviation, weight, x / length)
 
 
-def _deviation(values: np.ndarray) -> float:
-    """Robust standard deviation; one where nothing is there."""
-    return 1.4826 * float(np.median(np.abs(values))) + 1e-9 if len(values) else 1.0
+def _sizes(rows: MotionRows) -> np.ndarray:
+    """Root mean squares of the oil's torques in the rows that count, (n_function,)."""
+    return np.asarray(np.sqrt((rows.torque**2 * rows.known).sum(0) / np.maximum(rows.known.sum(0), 1)))
 
 
-def _nearest(machine: LayoutMachine, numbers: Unbounded, base: BaseParameters, told: _Told) -> MechanicsFit:
+def _nearest(
+    machine: LayoutMachine, numbers: Unbounded, base: BaseParameters, told: _Told, noise: np.ndarray, torque: np.ndarray
+) -> MechanicsFit:
     """Numbers that fit what the log says and stay near their priors."""
     square = _root(told.information)
     aim = np.linalg.lstsq(square.T, told.right, rcond=1e-12)[0]
@@ -261,7 +275,15 @@ def _nearest(machine: LayoutMachine, numbers: Unbounded, base: BaseParameters, t
         BaseEstimate(text, float(value), float(own_sd), bool(own_sd < 0.5 * prior_sd))
         for text, value, own_sd, prior_sd in zip(base.texts, made, sd, before, strict=True)
     )
-    return MechanicsFit(there, estimates, told_base, float(found[-1] * _LAG_SPREAD), tuple(told.deviation.tolist()))
+    return MechanicsFit(
+        there,
+        estimates,
+        told_base,
+        float(found[-1] * _LAG_SPREAD),
+        tuple(told.deviation.tolist()),
+        tuple(noise.tolist()),
+        tuple(torque.tolist()),
+    )
 
 
 def _root(information: np.ndarray) -> np.ndarray:

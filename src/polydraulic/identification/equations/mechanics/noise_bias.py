@@ -6,17 +6,34 @@ Cook and Stefanski, J. Am. Stat. Assoc. 89 (1994) 1314). Noise is added and subt
 """
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.identification.equations.mechanics.motion_rows import MotionRows, Piece
 from polydraulic.identification.equations.mechanics.weight_widths import sensor_noise
+from polydraulic.identification.equations.noise import robust_deviation
+
+
+class NoisePull(NamedTuple):
+    """What noise of sensors does to a regression.
+
+    Attributes
+    ----------
+    gradient : (n,) array
+        That it makes of the weighted squares: what it adds to regressor^T weight (torque - regressor @ at).
+    deviation : (n_function,) array
+        Robust standard deviation of what it makes of each function's rows.
+    """
+
+    gradient: np.ndarray
+    deviation: np.ndarray
 
 
 def noise_pull(
     rows_of: Callable[[Sequence[Piece]], MotionRows], pieces: Sequence[Piece], weight: np.ndarray, at: np.ndarray
-) -> np.ndarray:
-    """Gradient that noise alone makes of the weighted squares, (n,): what it adds to regressor^T weight (torque - regressor @ at).
+) -> NoisePull:
+    """What noise alone does to a regression.
 
     Parameters
     ----------
@@ -27,7 +44,7 @@ def noise_pull(
     at : (n,) array
         Solution of the normal equations of these rows.
     """
-    rng, levels, found = np.random.default_rng(0), sensor_noise(pieces), np.zeros(len(at))
+    rng, levels, found, made = np.random.default_rng(0), sensor_noise(pieces), np.zeros(len(at)), np.zeros(weight.shape)
     more = [[level * rng.normal(size=piece.position.shape) for level in levels] for piece in pieces]
     for way in (1.0, -1.0):
         noisy = [
@@ -35,5 +52,8 @@ def noise_pull(
             for piece, own in zip(pieces, more, strict=True)
         ]
         rows = rows_of(noisy)
-        found += np.einsum("tkc,tk->c", rows.regressor, weight * (rows.torque - rows.regressor @ at))
-    return found / 2.0
+        left = rows.torque - rows.regressor @ at
+        found += np.einsum("tkc,tk->c", rows.regressor, weight * left)
+        made += way * left
+    own = [robust_deviation(column[of > 0.0]) for column, of in zip(made.T, weight.T, strict=True)]
+    return NoisePull(found / 2.0, np.array(own) / 2.0)

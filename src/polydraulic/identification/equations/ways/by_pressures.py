@@ -9,8 +9,13 @@ from polydraulic.display import amount
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit, fit_mechanics, mechanical_spreads
 from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
+_BEYOND, _MATTERS = (
+    3.0,
+    0.02,
+)  # times the noise, and of the torque itself: with perfect sensors any remainder is beyond noise
 WAY = "masses and friction from pressures"
 
 
@@ -46,4 +51,19 @@ def find_mechanics(so_far: SoFar, table: Table, *, unasked: bool) -> MechanicsFi
         found.estimates,
         f"{so_far.from_log}: torques of the oil, pressure {amount(low, 'Pa')} to {amount(high, 'Pa')} seen",
     )
+    so_far.remarks += _beyond_noise(machine, found)
     return found
+
+
+def _beyond_noise(machine: LayoutMachine, found: MechanicsFit) -> list[str]:
+    """Sentences on torques of which more is left than sensors' noise makes."""
+    said = []
+    for f, left, noise, torque in zip(machine.functions, found.residual, found.noise, found.torque, strict=True):
+        if left > _BEYOND * noise and left > _MATTERS * torque:
+            unit = "N" if machine.link(f.moves).joint == "prismatic" else "N m"
+            said.append(
+                f"torques at {f.name}: what the equations leave, {amount(left, unit)}, is {left / noise:.0f} times what noise of the sensors makes; the "
+                "log has something that they do not, such as a load during a part of it, so that masses and friction may be off by more than their "
+                "standard errors"
+            )
+    return said
