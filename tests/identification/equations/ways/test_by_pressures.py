@@ -7,6 +7,8 @@ from helpers.machine_motion import motion_log
 from helpers.operator_log import operator_log
 from polydraulic import load_machine
 from polydraulic.identification import identify
+from polydraulic.identification.equations.mechanics.fit import fit_mechanics
+from polydraulic.identification.equations.ways.by_pressures import beyond_noise
 from polydraulic.tables import Table
 
 NAME = "loader_crane"
@@ -34,10 +36,12 @@ def test_a_load_during_a_part_of_the_log_is_said():
     columns = {n: np.concatenate([part[n] for part in parts]) for n in parts[0].names}
     columns["segment"] = np.repeat([0.0, 1.0], len(parts[0]))
     columns["time"] = np.arange(2 * len(parts[0])) * 0.02
-    both = identify(Table(columns, parts[0].units), machine)
-    alone = identify(parts[0], machine)
-    said = [line for line in both.remarks if line.startswith("torques at inner: what the equations leave")]
+    both = fit_mechanics(Table(columns, parts[0].units), machine)
+    alone = fit_mechanics(parts[0], machine)
+    said = [
+        line for line in beyond_noise(machine, both) if line.startswith("torques at inner: what the equations leave")
+    ]
     assert len(said) == 1
     assert "times what noise of the sensors makes; the log has something that they do not, such as a load" in said[0]
-    assert not any("what the equations leave" in line for line in alone.remarks)
-    assert both.mechanics.residual[1] > 3.0 * max(both.mechanics.noise[1], alone.mechanics.residual[1])
+    assert not beyond_noise(machine, alone)
+    assert both.residual[1] > 3.0 * max(both.noise[1], alone.residual[1])

@@ -51,11 +51,11 @@ def find_mechanics(so_far: SoFar, table: Table, *, unasked: bool) -> MechanicsFi
         found.estimates,
         f"{so_far.from_log}: torques of the oil, pressure {amount(low, 'Pa')} to {amount(high, 'Pa')} seen",
     )
-    so_far.remarks += _beyond_noise(machine, found)
+    so_far.remarks += beyond_noise(machine, found)
     return found
 
 
-def _beyond_noise(machine: LayoutMachine, found: MechanicsFit) -> list[str]:
+def beyond_noise(machine: LayoutMachine, found: MechanicsFit) -> list[str]:
     """Sentences on torques of which more is left than sensors' noise makes."""
     said = []
     for f, left, noise, torque in zip(machine.functions, found.residual, found.noise, found.torque, strict=True):
