@@ -15,7 +15,7 @@ from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.identify import _segments
 from polydraulic.identification.equations.shooting.fit import ShootingStage
 from polydraulic.machine.pump import limited_pump
-from polydraulic.networks.growth.levenberg_marquardt import Reached
+from polydraulic.networks.growth.levenberg_marquardt import Descent
 from polydraulic.tables import Table
 
 SECONDS = 120.0
@@ -326,12 +326,12 @@ def test_finished_circuits_are_read_as_they_were(found, tmp_path):
 def test_how_far_simulation_has_come_is_read_as_it_was(tmp_path):
     kept, reached = (
         Finished(tmp_path, "digest"),
-        ShootingStage(2, Reached(0.3, 5, 3, 1), np.array([0.1, 1 / 3]), np.ones((4, 8)), np.array([1e-4])),
+        ShootingStage(2, Descent(0.3, 5, 3, 1), np.array([0.1, 1 / 3]), np.ones((4, 8)), np.array([1e-4])),
     )
     assert kept.runs() is None
     kept.keep_runs(reached)
     again = kept.runs()
-    assert again[:2] == (2, Reached(0.3, 5, 3, 1))
+    assert again[:2] == (2, Descent(0.3, 5, 3, 1))
     assert all(np.array_equal(ours, was) for ours, was in zip(again[2:], reached[2:], strict=True))
     assert Finished(tmp_path, "other").runs() is None
     assert Finished(None, "digest").runs() is None

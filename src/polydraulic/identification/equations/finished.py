@@ -9,7 +9,7 @@ import numpy as np
 from polydraulic.files import write_text
 from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
 from polydraulic.identification.equations.shooting.fit import ShootingStage
-from polydraulic.networks.growth.levenberg_marquardt import Reached
+from polydraulic.networks.growth.levenberg_marquardt import Descent
 from polydraulic.parameters.layout.parts import ValveCurves
 
 _RUNS = "simulation-so-far"  # no circuit can be called so
@@ -57,7 +57,7 @@ class Finished:
             reached = data["reached"]
             return ShootingStage(
                 int(data["passes"]),
-                Reached(float(reached["damping"]), *(int(reached[key]) for key in ("attempts", "steps", "slow"))),
+                Descent(float(reached["damping"]), *(int(reached[key]) for key in ("attempts", "steps", "slow"))),
                 *parts,
             )
         except (OSError, ValueError, KeyError, TypeError):  # absent, or of another version: it begins anew

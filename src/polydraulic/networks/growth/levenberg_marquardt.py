@@ -51,7 +51,7 @@ class Damping(NamedTuple):
 FIRST_DAMPING = 1e-3
 
 
-class Reached(NamedTuple):
+class Descent(NamedTuple):
     """How far a search has come after a step, besides where it is: what it goes on from as if nothing had stopped it.
 
     Attributes
@@ -78,8 +78,8 @@ def lower_loss(
     max_attempts: float = inf,
     max_steps: float = inf,
     watch: Callable[[int, float], None] = lambda attempt, loss: None,
-    begun: Reached = Reached(),  # noqa: B008 - a tuple never changes
-    keep: Callable[[Reached], object] = lambda reached: None,
+    begun: Descent = Descent(),  # noqa: B008 - a tuple never changes
+    keep: Callable[[Descent], object] = lambda reached: None,
 ) -> tuple[np.ndarray, Equations]:
     """Lower a sum of squares.
 
@@ -95,9 +95,9 @@ def lower_loss(
         Evaluations, and steps that lower the loss, at most, with those of `begun`.
     watch : function (attempt, loss)
         Called after each step.
-    begun : Reached
+    begun : Descent
         How far the search had come that goes on here.
-    keep : function (Reached)
+    keep : function (Descent)
         Called after each step, too.
 
     Returns
@@ -124,7 +124,7 @@ def lower_loss(
         slow = slow + 1 if gained < rules.enough * here.loss else 0
         coef, here, steps = coef - step, there, steps + 1
         watch(attempt - 1, here.loss)
-        keep(Reached(damping, attempt, steps, slow))
+        keep(Descent(damping, attempt, steps, slow))
         if here.loss <= rules.perfect:
             break
     return coef, here

@@ -109,7 +109,7 @@ def test_a_still_log_shows_no_number():
             f"{f.name}.voltage": np.zeros(rows),
             f"{f.name}.angle": np.full(rows, 0.5 * (f.stops.low + f.stops.high)),
         }
-    with pytest.raises(InputError, match="determines nothing of this machine.*lift.pilot.gain: kept; it hardly shows"):
+    with pytest.raises(InputError, match="determines nothing of this machine.*no lever moves in the log"):
         identify(Table(still, {}), true, free=["functions.lift.pilot.gain"])
 
 

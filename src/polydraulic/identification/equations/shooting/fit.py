@@ -30,7 +30,7 @@ from polydraulic.identification.equations.shooting.runs import (
     window_slopes,
 )
 from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
-from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, Reached, lower_loss
+from polydraulic.networks.growth.levenberg_marquardt import Damping, Descent, Equations, lower_loss
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
@@ -91,7 +91,7 @@ class ShootingStage(NamedTuple):
     ----------
     passes : int
         That are done.
-    reached : Reached
+    reached : Descent
         How far the next one has come.
     u : (n,) array
         Coordinates of the numbers.
@@ -101,7 +101,7 @@ class ShootingStage(NamedTuple):
     """
 
     passes: int
-    reached: Reached
+    reached: Descent
     u: np.ndarray
     states: np.ndarray
     noise: np.ndarray
@@ -163,19 +163,19 @@ def fit_by_shooting(
         machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most
     )
     search = _Search(machine, numbers, windows)
-    u, first, reached = to_unbounded(numbers, numbers.start), 0, Reached()
+    u, first, reached = to_unbounded(numbers, numbers.start), 0, Descent()
     if begun is not None and search.goes_on_from(begun):
         u, first, reached = begun.u, begun.passes, begun.reached
     total, done = (sum(steps for _, steps in passes) for passes in (_PASSES, _PASSES[:first]))
     for number, (looser, steps) in enumerate(_PASSES[first:], first):
 
-        def told(now: Reached, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
+        def told(now: Descent, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
             assert search.here is not None
             keep(ShootingStage(number, now, u, search.here.states, search.noise))
             progress("identify", done + min(now.steps, steps), total)
 
         u = search.lowered(u, looser, steps, reached, told)
-        done, reached = done + steps, Reached()
+        done, reached = done + steps, Descent()
     progress("identify", total, total)
     columns = [channel.column for channel in windows.channels]
     found = search.machine_at(u)
@@ -245,7 +245,7 @@ class _Search:
         return self.here is not None
 
     def lowered(
-        self, u: np.ndarray, looser: float, steps: int, reached: Reached, told: Callable[[Reached, np.ndarray], None]
+        self, u: np.ndarray, looser: float, steps: int, reached: Descent, told: Callable[[Descent, np.ndarray], None]
     ) -> np.ndarray:
         """Coordinates with less loss, where noise is `looser` times what residuals show; some of the steps may be made already."""
         if self.here is None:
