@@ -35,6 +35,7 @@ def test_every_unit_shown_measures_the_same_as_the_si_unit_it_stands_for():
         (0.0028, "m3/s", "168 l/min", "170.9 in3/s", "0.0028 m3/s"),
         (0.25, "m", "250 mm", "9.843 in", "0.25 m"),
         (np.pi / 3, "rad", "60 deg", "60 deg", "1.047 rad"),
+        (25e3, "N/m", "25 N/mm", "142.8 lbf/in", "25000 N/m"),
         (0.5, "V", "0.5 V", "0.5 V", "0.5 V"),
         (90.0, "psi", "90 psi", "90 psi", "90 psi"),  # of a table of its own
         (0.3, "1", "0.3", "0.3", "0.3"),

@@ -33,6 +33,7 @@ SYSTEMS: dict[str, dict[str, str]] = {
         "m3/s/Pa": "l/min/bar",
         "m3/s/Pa^0.5": "l/min/bar^0.5",
         "m3/rad": "cm3/rev",
+        "N/m": "N/mm",
     },
     "field": {
         "m": "in",
@@ -46,6 +47,7 @@ SYSTEMS: dict[str, dict[str, str]] = {
         "m3/s/Pa": "in3/s/psi",
         "m3/s/Pa^0.5": "in3/s/psi^0.5",
         "m3/rad": "in3/rev",
+        "N/m": "lbf/in",
     },
     "si": {},
 }

@@ -124,6 +124,7 @@ def _curves_svg(found: Identification, circuit: str, function: str, units: str) 
         axis.set_ylim(0.0, 1.15 * max(float(values.max()), 1e-12))
         axis.set_title(f"{function}: {key.replace('_', ' ')}", loc="left", fontsize="small")
         below.hist(as_shown(spool, "m", units), bins=_BINS, range=(0.0, float(x[-1])), color="#2a6fb0", log=True)
+        below.set_ylim(bottom=0.8)  # a single row shows, and whole decades are labelled
         for one in (axis, below):
             one.axvspan(as_shown(v.seen[1], "m", units), float(x[-1]) + 1e-12, color="#ddd", linewidth=0.0, zorder=0)
             one.tick_params(labelsize="small")
