@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from helpers.valves import circuit_pump, orifices
 from polydraulic._kernel import driver
+from polydraulic.machine.circuits.series.check import PROVED
 from polydraulic.machine.circuits.series.short import series_1, series_2
 from polydraulic.machine.pump import Pump, delivered
 from polydraulic.machine.valve import Orifices
@@ -272,6 +273,27 @@ def test_special_cases_in_series(first, second, p_first, p_second, share_first, 
     assert s.q_in_1 == pytest.approx(share_first * Q, abs=1e-12 * Q)
     assert s.q_in_2 == pytest.approx(share_second * Q, abs=1e-12 * Q)
     assert s.circuit.q_pump == Q
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize(
+    ("first", "second", "p_first", "p_second", "passed"),
+    [
+        # the second port at relief: at a rounding below, its inlet would pass 7.6e-11 m3/s, 2.7e-8 of the pump's flow
+        ((0.0, 3.7036274468251946e-06), (1.5788164562807607e-06, 1.1467949109085463e-14), 29821794.98389532, RELIEF, 6.35221595022541912e-11),
+        # hardly anything opens a way: the pump's whole flow would need 1e34 Pa
+        ((1.3765169928730985e-21, 1.4998756366710008e-06), (1.5788164596536834e-06, 1.249373597200093e-20), RELIEF, 34473786.46584181, 6.92040993244156086e-17),
+    ],
+)  # fmt: skip
+def test_what_passes_at_relief_in_fifty_digits(machine, exponent, first, second, p_first, p_second, passed):
+    """Flows past the first valve by brackets in 50 digits, every number here taken as it is; neither inlet opens at relief."""
+    pump = pump_of(machine, exponent, RELIEF)
+    s = series_2(Orifices(*first, 0.0), Orifices(*second, 0.0), p_first, p_second, pump)
+    circuit = s.circuit
+    assert s.status == PROVED
+    assert (s.q_in_1, s.q_in_2, circuit.p_pump) == (0.0, 0.0, RELIEF)
+    assert circuit.q_bypass == pytest.approx(passed, rel=1e-14)
+    assert circuit.q_pump == pytest.approx(limited(RELIEF, pump), rel=1e-14)
 
 
 @given(k_in=conductance, k_bypass=conductance, p_in=pressure, exponent=st.sampled_from([0.5, 1.0, 2.0]))

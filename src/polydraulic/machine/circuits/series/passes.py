@@ -131,7 +131,7 @@ def limited_power(Q: float, last: float, least: float, whole: Outlet, pump: Pump
 
     No logarithm is needed: the one in its place has the same root, and the same slope there.
     """
-    rise = min(whole.r * Q * Q, 1e15)
+    rise = whole.r * Q * Q
     p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
     if not still and (p > pump.limit_start or pump.flow > Q):
         z = p * Q / (pump.limit_start * pump.flow)
@@ -142,7 +142,7 @@ def limited_power(Q: float, last: float, least: float, whole: Outlet, pump: Pump
 @kernel
 def limited_law(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
     """The same for any exponent."""
-    rise = min(whole.r * Q * Q, 1e15)
+    rise = whole.r * Q * Q
     p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
     if not still and (p > pump.limit_start or pump.flow > Q):
         off = pump.limit_exponent * log(p / pump.limit_start) + log(Q / pump.flow)

@@ -1,12 +1,13 @@
 """One valve on a pump, and two in series, in the form that circuits of any length have (Eqs 1-3, 8-13)."""
 
+from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
 from polydraulic.machine.circuits.series.check import PROVED, UNPROVED
 from polydraulic.machine.circuits.series.torque_limit import Limited, limited_1, limited_2
 from polydraulic.machine.pump import Circuit, Pump, Series, series_at, series_from, single_at
-from polydraulic.machine.valve import Orifices
+from polydraulic.machine.valve import Orifices, orifice_flow
 
 
 class Series1(NamedTuple):
@@ -55,8 +56,14 @@ def series_1_limited(x: Limited, k_1: Orifices, p_1: float, pump: Pump) -> Serie
 
 @kernel
 def series_2_limited(x: Limited, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
-    """`series_2` with a torque limit, and the flows of pump and first bypass as they were found."""
-    found = series_from(x.q, x.w, k_1, k_2, p_1, p_2, pump)
+    """`series_2` with a torque limit, and the flows of pump and first bypass as they were found.
+
+    No more passes the first bypass than both take at relief, and the second inlet beyond them. Where the second port is at relief, a
+    rounding of its pressure lets its inlet pass 3e-8 of the pump's flow, and passes know no pressure better; the drop from relief is exact.
+    """
+    both = sqrt(max(pump.relief - pump.p_return, 0.0) / (x.b_1 + x.b_2))
+    w = min(x.w, both + orifice_flow(k_2.inlet, pump.relief - p_2))
+    found = series_from(x.q, w, k_1, k_2, p_1, p_2, pump)
     return _both(found, PROVED if x.still else UNPROVED)
 
 
