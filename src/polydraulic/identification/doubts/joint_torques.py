@@ -22,7 +22,17 @@ def torques_of_motion(machine: LayoutMachine, q: np.ndarray, qd: np.ndarray, qdd
 
 
 def torques_of_friction(machine: LayoutMachine, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Friction of each joint, and its standard deviation: at rest anything up to static friction."""
+    """Friction of each joint, and its standard deviation: at rest anything up to static friction.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    rate : (n_row, n_function) array, rad/s or m/s
+
+    Returns
+    -------
+    friction, unsure : (n_row, n_function) array, N m or N
+    """
     friction, unsure = np.empty_like(rate), np.empty_like(rate)
     for k, f in enumerate(machine.functions):
         w, of = rate[:, k], f.friction
@@ -35,5 +45,5 @@ def torques_of_friction(machine: LayoutMachine, rate: np.ndarray) -> tuple[np.nd
 
 
 def weighted_sums(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Along the first axis, where all rows are there."""
+    """Weighted sums along the first axis, of stretches that are whole: (n_row - n_weight + 1, ...) of (n_row, ...)."""
     return np.asarray(np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=0) @ weights)

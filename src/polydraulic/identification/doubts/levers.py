@@ -26,15 +26,10 @@ _NOISES = 6.0  # standard deviations of noise, beyond which a joint moves
 _USUAL = 0.1  # of how far it usually moves at its fastest, beyond which it moves
 _LEAST_WAY, _LONGEST_WAY = 2e-3, 3.0  # of the way between stops; rad or m, where it has none
 _FEW, _MANY = 8, 16  # moves that tell a turned sign, and that a joint does not follow at all
-_AGAINST, _ASTRAY = (
-    0.8,
-    0.3,
-)  # share of moves against the lever from which on its sign is turned, or it is another one's
-_AT_REST, _HARDLY = (
-    0.05,
-    0.02,
-)  # of the voltage of full travel, within which a lever rests, and share of rows beyond it on one side, which is none
-
+_AGAINST = 0.8  # share of moves against the lever, from which on its sign is turned
+_ASTRAY = 0.3  # the same, from which on it is another one's
+_AT_REST = 0.05  # of the voltage of full travel, within which a lever rests
+_HARDLY = 0.02  # share of rows in which a lever is on one side, below which it is never there
 _SCALE = 3.0  # by which a spool goes further, or less far, than its pilot drives it, beyond which it is another unit
 _ZERO = 0.02  # of its travel, that a spool may read while its lever rests
 
@@ -42,7 +37,15 @@ Doubt = tuple[tuple[str, ...], str]
 
 
 class Votes(NamedTuple):
-    """Moves of a joint that went with a lever, or against it, and how often it went up and down at all."""
+    """How the moves of a joint vote on a lever, or a spool.
+
+    Attributes
+    ----------
+    along, against : int
+        Orders of the lever that the joint followed, and those that it went against.
+    up, down : int
+        How often the joint went up and down at all.
+    """
 
     along: int
     against: int
@@ -56,7 +59,7 @@ class Votes(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Of those against; none where there are none."""
+        """Share of those against; 0 where there are no moves."""
         return self.against / max(self.moves, 1)
 
     @property
@@ -133,7 +136,20 @@ def _spool_off(f: MachineFunction, table: Table) -> Iterator[Doubt]:
 
 
 def votes_of(machine: LayoutMachine, table: Table, lever: MachineFunction, what: str, moved: MachineFunction) -> Votes:
-    """Moves of one function's joint by another's, or its own, ``voltage`` or ``spool``."""
+    """How one function's joint moves by another's, or its own, voltage or spool.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    table : Table
+        The log, in SI; it may declare missing values.
+    lever : MachineFunction
+        Whose orders are looked at.
+    what : {"voltage", "spool"}
+        By what of it.
+    moved : MachineFunction
+        Whose joint votes.
+    """
     full, edge = lever.valve.knots[-1], spool_edges(lever.valve)[0]
     least_open = min(edge + _OPEN * (full - edge), 0.9 * full)
     columns = [f"{lever.name}.{what}", position_column(machine, moved)]
@@ -212,10 +228,8 @@ def _turned(column: str, place: str, votes: Votes, second: Votes | None, other: 
 
 def _one_sided(f: MachineFunction, table: Table) -> bool:
     """Whether a lever hardly ever leaves its rest to one of its sides."""
-    voltage, least = (
-        table.whole([f"{f.name}.voltage"])[f"{f.name}.voltage"],
-        _AT_REST * f.valve.knots[-1] / f.pilot.gain,
-    )
+    voltage = table.whole([f"{f.name}.voltage"])[f"{f.name}.voltage"]
+    least = _AT_REST * f.valve.knots[-1] / f.pilot.gain
     return bool(min((voltage > least).mean(), (voltage < -least).mean()) < _HARDLY)
 
 

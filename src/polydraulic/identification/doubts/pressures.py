@@ -21,14 +21,8 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 from polydraulic.watch.blocks import motion_filters
 
-_FACTORS = (
-    0.01,
-    0.0689476,
-    0.1,
-    10.0,
-    14.5038,
-    100.0,
-)  # of what is read: powers of ten, and psi for bar or bar for psi
+# of what is read: powers of ten, and psi for bar or bar for psi
+_FACTORS = (0.01, 0.0689476, 0.1, 10.0, 14.5038, 100.0)
 _MOST_ROWS = 60_000  # that are looked at
 _FEW = 300  # rows away from stops that tell something
 _SLOWEST = 0.1  # s between rows, at which accelerations are still seen

@@ -14,10 +14,8 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
 _NOISY = 0.15  # share of rows at which a signal with noise turns round, at least
-_HELD, _SHARE = (
-    5,
-    5e-3,
-)  # rows of one number that are no chance, and share of all rows in such runs, at the end of a range
+_HELD = 5  # rows of one number that are no chance
+_SHARE = 5e-3  # share of all rows in such runs, at the end of a range, at least
 _ELSEWHERE = 0.1  # of these, that as long runs at other numbers come to at most
 _FROZEN, _LASTING = 50, 2.0  # rows, and s, of one number that nothing but a sensor that has stopped gives
 _FEW, _SELDOM = 3, 0.02  # times in a log at most, and share of rows in shorter runs of one number
@@ -48,6 +46,10 @@ def without_stuck(machine: LayoutMachine, table: Table) -> Stuck:
     machine : LayoutMachine
     table : Table
         The log, in SI, with times that rise; values may be missing.
+
+    Returns
+    -------
+    Stuck
     """
     columns, dead, texts = dict(table.columns), set[str](), list[str]()
     for f in machine.functions:
@@ -57,18 +59,18 @@ def without_stuck(machine: LayoutMachine, table: Table) -> Stuck:
                 continue
             values, unit = table.columns[name], table.unit(name)
             begin, end = _runs(values)
-            rests = [0.0, *f.stops] if what in ("angle", "position") else [0.0]
+            stops = tuple(f.stops) if what in ("angle", "position") else ()
             if not _noisy(values, begin, end):
                 continue
             rows, told = np.zeros(len(values), dtype=bool), list[str]()
             for most in _ends(what, values):
-                saturated = _at_end(values, begin, end, most) if _strange(most, rests) else rows
+                saturated = _at_end(values, begin, end, most) if _strange(most, stops) else rows
                 if saturated.any():
                     share = f"{saturated.mean():.1%} of the rows"
                     told.append(f"reads {amount(most, unit)}, the end of its range, in {share}")
                 rows = rows | saturated
             for b, e in _stopped(table["time"], begin, end):
-                if not rows[b] and _strange(values[b], rests):
+                if not rows[b] and _strange(values[b], stops):
                     rows[b:e] = True
                     told.append(
                         f"stays at {amount(float(values[b]), unit)} for {table['time'][e - 1] - table['time'][b]:.3g} s"
@@ -95,9 +97,9 @@ def _ends(what: str, values: np.ndarray) -> list[float]:
     return [most] if what.startswith("p_") else [most, float(np.nanmin(values))]
 
 
-def _strange(value: float, rests: list[float]) -> bool:
-    """Whether a value is none at which a signal may stay: zero, or a stop of a joint."""
-    return value != 0.0 and all(abs(value - rest) > _NEAR_STOP for rest in rests[1:])
+def _strange(value: float, stops: tuple[float, ...]) -> bool:
+    """Whether a value is none at which a signal may stay: zero, or near a stop of a joint."""
+    return value != 0.0 and all(abs(value - stop) > _NEAR_STOP for stop in stops)
 
 
 def _noisy(values: np.ndarray, begin: np.ndarray, end: np.ndarray) -> bool:

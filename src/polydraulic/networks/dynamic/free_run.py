@@ -43,9 +43,7 @@ class Loop(NamedTuple):
     low: np.ndarray  # (n_output,) smallest change of an output from row to row
     high: np.ndarray
     ends: np.ndarray  # (n_output, 2) between which an output stays
-    rows: (
-        np.ndarray
-    )  # (n_output,) int64: of a window that shows how strong a joint is; 0 where a model knows of no strength
+    rows: np.ndarray  # (n_output,) int64: of a window that shows how strong a joint is; 0 without a strength
     numbers: np.ndarray  # (n_output, 4) `StrengthNumbers`
 
 
@@ -172,12 +170,17 @@ def _run(
 def strengths_before(
     loop: Loop, signals: np.ndarray, windows: Sequence[Span], since: Sequence[int] | None
 ) -> np.ndarray:
-    """How strong joints are at the start of windows, upwards and downwards: factors of their rates; (n_window, n_output, 2).
+    """How strong joints are at the start of windows.
 
     Parameters
     ----------
     loop, signals, windows, since
-        As `run_windows`.
+        As for `run_windows`.
+
+    Returns
+    -------
+    (n_window, n_output, 2) array
+        Factors of their rates, upwards and downwards.
     """
     ends = np.array(windows, dtype=np.int64).reshape(-1, 2)
     found = np.ones((len(ends), len(loop.root), 2))

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.networks.dynamic.free_run import pieces
-from polydraulic.networks.dynamic.joint_strength import learn_strength, windows_of
+from polydraulic.networks.dynamic.joint_strength import STRONGEST, WEAKEST, learn_strength, windows_of
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, run_terms
 from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, stretches_of, without
 from polydraulic.networks.model.lags import JointStrength
@@ -26,10 +26,8 @@ _REWEIGHED = 16  # times
 _RIDGE = 1e-3  # weight of what changes an opening, as a part of the openings' own; the openings themselves are held by next to nothing
 _OWN_RIDGE = 1e-6
 _ENOUGH = 0.03  # of the error, that a further factor has to gain
-_TO_ONE = (
-    0.1  # of the joint's range, travelled: what counts as much as the belief that a stretch is as strong as the mean
-)
-_WEAKEST, _STRONGEST = 0.5, 2.0
+# of the joint's range, travelled: what counts as much as the belief that a stretch is as strong as the mean
+_TO_ONE = 0.1
 _OVERLAP = 4  # windows begin every so many parts of their length
 _LONGER = 2  # windows that show a strength are so many times as long as those that rates are fitted to
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
@@ -213,7 +211,7 @@ def _strengths(
         own = by_opening[of == n]
         weighed = own * weight[of == n, None]
         gram, right = weighed.T @ own + ridge * np.eye(n_own), weighed.T @ travel[of == n] + ridge
-        found[n] = np.clip(np.linalg.solve(gram, right), _WEAKEST, _STRONGEST)
+        found[n] = np.clip(np.linalg.solve(gram, right), WEAKEST, STRONGEST)
         share[n] = np.abs(own).sum(axis=0)
     mean = (found * share).sum(axis=0) / np.maximum(share.sum(axis=0), 1e-300)
     return np.asarray(found / np.where(mean > 0.0, mean, 1.0))

@@ -10,10 +10,8 @@ from polydraulic.errors import InputError
 
 Span = tuple[int, int]  # first row, and the row after the last
 
-_MOST_STRETCHES, _ABOUT = (
-    10,
-    0.5,
-)  # spans that count as stretches of their own, and what share of the mean length each has at least
+_MOST_STRETCHES = 10  # spans that count as stretches of their own
+_ABOUT = 0.5  # of the mean length, that each of these has at least
 
 
 def spans_of(segments: Any, known: np.ndarray) -> list[Span]:
