@@ -27,7 +27,7 @@ def lagging_log():
     does = SpoolEffects(LAG, prepare_shift(SPRING))
     pieces, start = np.array([[0, len(time)]]), np.zeros(len(time))
     for _ in range(20):  # until jets are those of the spool that they push
-        signals = {"boom": Signals(spool, *ports, *[None] * 6, dict.fromkeys(("p_a", "p_b"), 5e4), None)}
+        signals = {"boom": Signals(spool, *ports, *[None] * 8, dict.fromkeys(("p_a", "p_b"), 5e4), None)}
         jets = jets_of(machine, circuit, signals, log["segment"], {})["boom"].strength
         before = spool
         spool = driven_spool(f.pilot, f.valve.knots[-1], time, pieces, voltage, start, _RASTER, does, jets)

@@ -17,7 +17,7 @@ NOISE = dict.fromkeys(("p_a", "p_b"), 1e5) | {"q_out": 8e-6}
 def jets(spool, p_a, p_b, q_out=None, errors=None):
     rows = [np.full(12, value) for value in (spool, p_a, p_b)]
     flow = None if q_out is None else np.full(12, q_out)
-    s = Signals(*rows, None, None, None, flow, None, None, NOISE, None)
+    s = Signals(*rows, None, None, None, flow, *[None] * 4, NOISE, None)
     return jets_of(MACHINE, CIRCUIT, {"boom": s}, np.zeros(12), errors or {})["boom"]
 
 
@@ -69,7 +69,7 @@ def test_what_is_unsure_of_curves_is_unsure_of_jets():
 
 def test_noise_once_more_is_as_large_as_that_of_the_sensors():
     log = machine_log(120.0)
-    s = Signals(*(log[f"boom.{what}"] for what in ("spool", "p_a", "p_b")), *[None] * 6, NOISE, None)
+    s = Signals(*(log[f"boom.{what}"] for what in ("spool", "p_a", "p_b")), *[None] * 8, NOISE, None)
     noise = jets_of(MACHINE, CIRCUIT, {"boom": s}, log["segment"], {})["boom"].noise
     open_ = log["boom.spool"] > VALVE.knots[3]
     drop = log["boom.p_b"] - MACHINE.tank.return_pressure > 1e6
@@ -84,7 +84,7 @@ def test_rows_in_which_a_sensor_is_silent_have_no_jets():
     p_a[:3] = np.nan
     q_out = np.full(12, 1e-3)
     q_out[-2:] = np.nan
-    s = Signals(np.full(12, 1e-2), p_a, np.full(12, 6e6), None, None, None, q_out, None, None, NOISE, None)
+    s = Signals(np.full(12, 1e-2), p_a, np.full(12, 6e6), None, None, None, q_out, *[None] * 4, NOISE, None)
     found = jets_of(MACHINE, CIRCUIT, {"boom": s}, np.zeros(12), {})["boom"]
     assert np.isnan(found.strength[:3]).all()
     assert np.isfinite(found.strength[3:]).all()
