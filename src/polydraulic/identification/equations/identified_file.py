@@ -9,6 +9,12 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.units import read_unit
 
 _DIGITS = 10
+# unit and source of the numbers of a flow force that no file declared
+_FLOW_FORCE = {
+    "spring_rate": ("N/mm", "found"),
+    "density": ("kg/m3", "usual for oil; the spring rate holds for it"),
+    "jet_angle": ("deg", "usual for sharp edges; the spring rate holds for it"),
+}
 
 
 class Identified(NamedTuple):
@@ -71,19 +77,7 @@ def with_found(data: Mapping[str, Any], machine: LayoutMachine) -> dict[str, Any
         if force is None:
             valve.pop("flow_force", None)
         elif "flow_force" not in valve:
-            valve["flow_force"] = {
-                key: _entry(value, unit, source)
-                for (key, value), unit, source in zip(
-                    force._asdict().items(),
-                    ("N/mm", "kg/m3", "deg"),
-                    (
-                        "found",
-                        "usual for oil; the spring rate holds for it",
-                        "usual for sharp edges; the spring rate holds for it",
-                    ),
-                    strict=True,
-                )
-            }
+            valve["flow_force"] = {key: _entry(getattr(force, key), *said) for key, said in _FLOW_FORCE.items()}
         for key, unit in (("travel", "mm"), ("pressure", "bar")):
             if f.seen is not None and getattr(f.seen, key) < inf:
                 seen = whole["functions"][f.name].setdefault("seen", {})

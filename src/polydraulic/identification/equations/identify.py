@@ -280,7 +280,7 @@ def _taken(
     found = [f"functions.{f.name}.pilot." for f in machine.functions if f.name in pilots]
     # without its sensors an effect is for simulation only where a file says how far it may be off
     found += [
-        p for p, spread in may.spreads.items() if is_effect(p) and (p.split(".")[1] in spools or spread != spread)
+        p for p, spread in may.spreads.items() if is_effect(p) and (p.split(".")[1] in spools or np.isnan(spread))
     ]
     for circuit in machine.circuits:
         if circuit.name in circuits:

@@ -88,7 +88,7 @@ def read_function(
         measured, pieces = table.columns[place][known], segments_of(segment, known)
         position = local_parabolas(measured, pieces)[0]
         noise["position"] = noise_level(position, pieces)
-        volume_a, volume_b = (_at_rows(known, side) for side in side_volumes(machine, f, position))
+        volume_a, volume_b = (at_rows(known, side) for side in side_volumes(machine, f, position))
         middle = levers(machine, f, position)
         noise["volume_a"], noise["volume_b"] = (
             noise_level(measured, pieces) / np.sqrt(0.5 * SMOOTHED) * float(np.mean(side)) for side in middle
@@ -121,12 +121,8 @@ def spool_log(
         rows &= np.isfinite(jets.strength)
     pieces = segments_of(segment, rows)
     voltage, spool = (table.columns[name][rows] for name in names)
-    return (rows, table["time"][rows], pieces, voltage, spool) if _follow(pieces) else None
-
-
-def _follow(segment: np.ndarray) -> bool:
-    """Whether any row follows another one."""
-    return bool((np.diff(segment) == 0).any())
+    follow = (np.diff(pieces) == 0).any()
+    return (rows, table["time"][rows], pieces, voltage, spool) if follow else None
 
 
 def smoothed_by(
@@ -157,19 +153,19 @@ def smoothed_by(
     strength = None if jets is None else jets.strength[rows]
     spool, left = smooth_spool(own, f.valve.knots[-1], time, pieces, voltage, measured, sensor, fit.effects, strength)
     scale = fit.errors.gain / own.gain if fits_pilot else 0.0
-    return s._replace(spool=_at_rows(rows, spool), noise=s.noise | {"spool": left}, pilot=fit, scale=scale)
+    return s._replace(spool=at_rows(rows, spool), noise=s.noise | {"spool": left}, pilot=fit, scale=scale)
 
 
 def _rate(values: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:
     """How fast a signal changes, from its own pieces."""
     known = ~np.isnan(values)
-    return _at_rows(known, local_parabolas(values[known], segments_of(segment, known))[1] / raster)
+    return at_rows(known, local_parabolas(values[known], segments_of(segment, known))[1] / raster)
 
 
-def _at_rows(rows: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values at those rows, an array of bool, and NaN at others."""
-    found = np.full(len(rows), np.nan)
-    found[rows] = values
+def at_rows(rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (..., n_kept) at those rows, (n_row,) of bool, and NaN at others; (..., n_row)."""
+    found = np.full((*values.shape[:-1], len(rows)), np.nan)
+    found[..., rows] = values
     return found
 
 
@@ -179,14 +175,8 @@ def against_spools(machine: LayoutMachine, table: Table, segment: np.ndarray) ->
     for f in machine.functions:
         voltage, spool = f"{f.name}.voltage", f"{f.name}.spool"
         if {voltage, spool} <= set(table.names):
-            both = table.known([voltage, spool])
-            rows = (
-                table["time"][both],
-                segments_of(segment, both),
-                table.columns[voltage][both],
-                table.columns[spool][both],
-            )
-            if _follow(rows[1]) and moves_against(*rows, f.valve.knots[-1], f.pilot):
+            log = spool_log(f, table, segment)
+            if log is not None and moves_against(*log[1:], f.valve.knots[-1], f.pilot):
                 found.append(f.name)
     return found
 

@@ -11,7 +11,7 @@ from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_s
 from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
 from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.pilot_fit import Jets
-from polydraulic.identification.equations.sensors import Signals
+from polydraulic.identification.equations.sensors import Signals, at_rows
 from polydraulic.machine.pump import limited_pump
 from polydraulic.parameters.layout.parts import SupplyCircuit, ValveCurves
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -76,14 +76,7 @@ def jets_of(
         off = [place * _share(v, key, errors[name][key])[:, None] * parts[key] for key in parts if name in errors]
         unsure = np.concatenate([np.empty((0, len(spool))), *off])
         own = inlet[:, k] + outlet, unsure[unsure.any(axis=1)], again - outlet
-        found[name] = Jets(*(_at_rows(known, values) for values in own))
-    return found
-
-
-def _at_rows(rows: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values at those rows of the last axis, an array of bool, and NaN at others."""
-    found = np.full((*values.shape[:-1], len(rows)), np.nan)
-    found[..., rows] = values
+        found[name] = Jets(*(at_rows(known, values) for values in own))
     return found
 
 

@@ -23,9 +23,8 @@ _STEP = 5e-3  # s, as `simulate` has it unless told otherwise
 STEP_LAG = 0.5 * _STEP  # for which it holds a voltage, and so adds to every dead time
 # standard errors and share of the travel, below which an effect counts as none
 _SURE, _LEAST = 3.0, 2e-3
-_USUAL = FlowForce(
-    1e5, 870.0, np.radians(69.0)
-)  # density and angle where a file has none: the force over the spring is what shows
+# density and angle where a file has none: the force over the spring is what shows
+_USUAL = FlowForce(1e5, 870.0, np.radians(69.0))
 _SELDOM = 0.5  # of a time constant between rows, beyond which a pilot moves between them
 _NO_PILOT = "the log has no voltage with a spool that follows it"
 
@@ -191,10 +190,8 @@ def _shown(f: MachineFunction, key: str, s: SpoolFound) -> str:
 
 
 def _take(so_far: SoFar, f: MachineFunction, key: str, s: SpoolFound) -> None:
-    path, value, error = (
-        f"functions.{f.name}.{EFFECTS[key]}",
-        *(getattr(of, key) for of in (s.fit.effects, s.fit.effect_errors)),
-    )
+    path = f"functions.{f.name}.{EFFECTS[key]}"
+    value, error = (getattr(of, key) for of in (s.fit.effects, s.fit.effect_errors))
     source = f"{so_far.from_log}: spool after voltage, {s.fit.rows} rows, {amount(s.fit.rms, 'm')} rms left"
     if value > 0.0:
         force = f.effects.flow_force or _USUAL
