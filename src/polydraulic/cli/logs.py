@@ -53,8 +53,8 @@ def import_(
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
 
-    The table holds rows on one raster where all inputs and outputs are known, with `--partial` where any is; the column `segment` counts pieces without
-    a gap.
+    The table holds rows on one raster where all inputs and outputs are known, with `--partial` where any is; the column `segment` counts
+    pieces without a gap.
 
     Example: `polydraulic import log.mf4 --channels map.toml --out table.parquet`
 

@@ -5,8 +5,9 @@ pressures and flows; masses and friction from pressures and positions; what is l
 """
 
 import hashlib
-from collections.abc import Collection, Container, Sequence
+from collections.abc import Callable, Collection, Container, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -203,7 +204,6 @@ def identify(
                 before, f, table, segment, raster, may.has(f"functions.{f.name}.pilot.time_constant")
             )
         finished = Finished(parts, _digest(table, data, may))
-        spools: dict[str, SpoolFound] = {}
         at, pilots = len(before.functions), find_pilots(SoFar(before, may, source), signals, raster)
         shown = {c.name for c in before.circuits} - set(refused_circuits(before, signals, may, len(segment)))
         of_turn = _CIRCUIT_STEPS * len(shown)
@@ -212,29 +212,12 @@ def identify(
         if not entries_left(SoFar(before, may, source), _taken(before, may, looked, pilots, shown, None)):
             simulated = 0
         steps = at + of_circuits + 1 + simulated
-        for turn in range(turns):
-            so_far = SoFar(before, may, f"identified from {source}")
-            pilots = find_pilots(so_far, signals, raster)
-            circuits = find_circuits(
-                so_far,
-                signals,
-                table["time"],
-                segment,
-                raster,
-                finished,
-                lambda place, share, what, done=turn * of_turn: progress(  # type: ignore[misc]
-                    what, at + done + min(int(_CIRCUIT_STEPS * (place + share)), of_turn), steps
-                ),
-                turn,
-            )
-            if turn + 1 == turns > 1:
-                break
-            spools = look_at_spools(so_far, signals, circuits, table, segment)
-            moved = smoothed_again(before, may, signals, spools, table, segment)
-            if not moved:
-                break
-            signals |= moved
-        take_effects(so_far, signals, spools)
+        so_far, pilots, circuits, spools = _in_turns(
+            before, may, source, table, segment, raster, signals, finished, turns,
+            lambda turn, place, share, what: progress(
+                what, at + turn * of_turn + min(int(_CIRCUIT_STEPS * (place + share)), of_turn), steps
+            ),
+        )  # fmt: skip
         so_far.kept += [f"{name}: has no value in the whole log, and is not used" for name in dead]
         so_far.kept += stuck
         so_far.kept += [f"not used: {', '.join(doubt.columns)}; {doubt.text}" for doubt in doubts]
@@ -266,6 +249,39 @@ def identify(
         so_far.found(), before, so_far.changes, circuits, pilots, mechanics, runs, [*lacks, *so_far.kept], so_far.remarks, may, table,
         source, data,
     )  # fmt: skip
+
+
+def _in_turns(
+    before: LayoutMachine, may: Freedom, source: str, table: Table, segment: np.ndarray, raster: float, signals: dict[str, Signals],
+    finished: Finished, turns: int, tell: Callable[[int, int, float, str], object],
+) -> tuple[SoFar, dict[str, PilotFit], dict[str, CircuitFound], dict[str, SpoolFound]]:  # fmt: skip
+    """Pilots, circuits and what spools do besides, each turn by what the one before knew of spools; fewer turns where they do nothing.
+
+    Parameters
+    ----------
+    before, may, source, table, segment, raster, finished
+        As `identify` has them.
+    signals : dict from function to Signals
+        As sensors and pilots alone have them.
+    turns : int
+        At most; effects of spools are looked at after each but the last, or after the only one.
+    tell : callable
+        Told the turn, the place of a circuit, about which share of it is done, and what is being done.
+    """
+    spools: dict[str, SpoolFound] = {}
+    for turn in range(turns):
+        so_far = SoFar(before, may, f"identified from {source}")
+        pilots = find_pilots(so_far, signals, raster)
+        circuits = find_circuits(so_far, signals, table["time"], segment, raster, finished, partial(tell, turn), turn)
+        if turn + 1 == turns > 1:
+            break
+        spools = look_at_spools(so_far, signals, circuits, table, segment)
+        moved = smoothed_again(before, may, signals, spools, table, segment)
+        if not moved:
+            break
+        signals = signals | moved
+    take_effects(so_far, signals, spools)
+    return so_far, pilots, circuits, spools
 
 
 def _taken(

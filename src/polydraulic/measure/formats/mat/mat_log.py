@@ -1,8 +1,8 @@
 """MAT logs: v5 through SciPy, variable by variable; v7.3 through h5py, block by block.
 
 Vectors are signals, columns of matrices are signals ``name[1]``, ``name[2]``; fields of structures are ``name.field``, those of arrays of
-structures ``name[1].field``; where each of these has one number, ``name.field`` is a signal of all. The longer side of a matrix is time; in Simulink's structure with time the side that has as many values
-as its time. What is no array of numbers (objects such as timetables, sparse matrices, cells) is left out by name.
+structures ``name[1].field``; where each of these has one number, ``name.field`` is a signal of all. The longer side of a matrix is
+time; in Simulink's structure with time the side that has as many values as its time. What is no array of numbers (objects such as timetables, sparse matrices, cells) is left out by name.
 """
 
 from collections.abc import Iterator, Sequence
