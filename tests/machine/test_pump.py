@@ -281,6 +281,8 @@ def test_special_cases_in_series(first, second, p_first, p_second, share_first, 
     [
         # the second port at relief: at a rounding below, its inlet would pass 7.6e-11 m3/s, 2.7e-8 of the pump's flow
         ((0.0, 3.7036274468251946e-06), (1.5788164562807607e-06, 1.1467949109085463e-14), 29821794.98389532, RELIEF, 6.35221595022541912e-11),
+        # both ports at relief: passes swung between what both bypasses take and half of that
+        ((1.5658363312151504e-07, 3.127925773062695e-07), (1.3139325723392035e-06, 6.819605427358633e-15), RELIEF, RELIEF, 3.77745017507894675e-11),
         # hardly anything opens a way: the pump's whole flow would need 1e34 Pa
         ((1.3765169928730985e-21, 1.4998756366710008e-06), (1.5788164596536834e-06, 1.249373597200093e-20), RELIEF, 34473786.46584181, 6.92040993244156086e-17),
     ],

@@ -48,7 +48,7 @@ def states(n, rng, decades):
     k = 10.0 ** rng.uniform(-6.0 - decades, -6.0, (n, 4))
     k[rng.random((n, 4)) < 0.1] = 0.0
     p = rng.uniform(0.0, RELIEF, (n, 2))
-    special = rng.choice([0.0, P_RETURN, 0.999999 * RELIEF], (n, 2))
+    special = rng.choice([0.0, P_RETURN, 0.999999 * RELIEF, RELIEF], (n, 2))
     p = np.where(rng.random((n, 2)) < 0.1, special, p)
     p[:, 1] = np.where(rng.random(n) < 0.05, p[:, 0], p[:, 1])
     laws = np.column_stack([rng.uniform(5e6, 2.8e7, n), rng.choice([0.5, 1.0, 2.0], n)])

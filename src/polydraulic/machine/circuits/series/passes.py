@@ -94,10 +94,15 @@ def passed_on(flow: float, inlet: float, p_in: float, beyond: Outlet) -> float:
 
 
 @kernel
+def driven_at_relief(beyond: Outlet, pump: Pump) -> float:
+    """What the relief pressure drives through an outlet, m3/s."""
+    return sqrt(max(pump.relief - beyond.p_rest, 0.0) / beyond.r)
+
+
+@kernel
 def passed_first(flow: float, inlet: float, p_in: float, beyond: Outlet, pump: Pump) -> float:
     """What passes the first bypass: no more than the relief pressure drives."""
-    at_relief = sqrt(max(pump.relief - beyond.p_rest, 0.0) / beyond.r)
-    return min(passed_on(flow, inlet, p_in, beyond), at_relief)
+    return min(passed_on(flow, inlet, p_in, beyond), driven_at_relief(beyond, pump))
 
 
 @kernel

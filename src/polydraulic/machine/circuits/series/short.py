@@ -1,6 +1,5 @@
 """One valve on a pump, and two in series, in the form that circuits of any length have (Eqs 1-3, 8-13)."""
 
-from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
@@ -61,8 +60,7 @@ def series_2_limited(x: Limited, k_1: Orifices, k_2: Orifices, p_1: float, p_2: 
     No more passes the first bypass than both take at relief, and the second inlet beyond them. Where the second port is at relief, a
     rounding of its pressure lets its inlet pass 3e-8 of the pump's flow, and passes know no pressure better; the drop from relief is exact.
     """
-    both = sqrt(max(pump.relief - pump.p_return, 0.0) / (x.b_1 + x.b_2))
-    w = min(x.w, both + orifice_flow(k_2.inlet, pump.relief - p_2))
+    w = min(x.w, x.both + orifice_flow(k_2.inlet, pump.relief - p_2))
     found = series_from(x.q, w, k_1, k_2, p_1, p_2, pump)
     return _both(found, PROVED if x.still else UNPROVED)
 

@@ -5,6 +5,7 @@ and slope, and one step of Newton leads towards the flow that the pump delivers 
 passes, in 17 at worst where conductances over six decades meet. A circuit that has not settled in all `LIMIT_PASSES` says so.
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
@@ -13,10 +14,11 @@ from polydraulic.machine.circuits.series.passes import (
     Moved,
     Outlet,
     behind,
+    driven_at_relief,
     least_flow,
     limited,
     limited_power,
-    passed_first,
+    passed_on,
     resistance,
     settled,
     stepped,
@@ -40,6 +42,7 @@ class Limited(NamedTuple):
     b_1: float
     a_2: float
     b_2: float
+    both: float  # m3/s, through both bypasses at relief if the second inlet passes nothing
     largest: float  # m3/s
     still: bool
 
@@ -48,15 +51,16 @@ class Limited(NamedTuple):
 def limit_begin_1(k_1: Orifices, pump: Pump) -> Limited:
     """Where passes with one valve start: with the flow below the limit."""
     a_1, b_1 = resistance(k_1.inlet), resistance(k_1.bypass)
-    return Limited(pump.flow, least_flow(pump), AT_FIRST, 0.0, 0.0, a_1, b_1, 0.0, 0.0, AT_FIRST, False)
+    return Limited(pump.flow, least_flow(pump), AT_FIRST, 0.0, 0.0, a_1, b_1, 0.0, 0.0, 0.0, AT_FIRST, False)
 
 
 @kernel
 def limit_begin_2(k_1: Orifices, k_2: Orifices, pump: Pump) -> Limited:
     """The same with two valves; most of the flow passes the first."""
     a_1, b_1, a_2, b_2 = resistance(k_1.inlet), resistance(k_1.bypass), resistance(k_2.inlet), resistance(k_2.bypass)
+    both = sqrt(max(pump.relief - pump.p_return, 0.0) / (b_1 + b_2))
     return Limited(
-        pump.flow, least_flow(pump), AT_FIRST, 0.9 * pump.flow, AT_FIRST, a_1, b_1, a_2, b_2, AT_FIRST, False
+        pump.flow, least_flow(pump), AT_FIRST, 0.9 * pump.flow, AT_FIRST, a_1, b_1, a_2, b_2, both, AT_FIRST, False
     )
 
 
@@ -76,18 +80,22 @@ def limit_pass_1(x: Limited, p_1: float, pump: Pump, power: bool) -> Limited:
     q = _stepped_flow(x, tangent(x.q, x.a_1, p_1, Outlet(x.b_1, pump.p_return)), pump, power)
     largest = abs(q.change) * q.value
     still = settled(largest, x.largest, q.value)
-    return Limited(q.value, x.least, q.change, 0.0, 0.0, x.a_1, x.b_1, x.a_2, x.b_2, largest, still)
+    return Limited(q.value, x.least, q.change, 0.0, 0.0, x.a_1, x.b_1, x.a_2, x.b_2, x.both, largest, still)
 
 
 @kernel
 def limit_pass_2(x: Limited, p_1: float, p_2: float, pump: Pump, power: bool) -> Limited:
-    """One pass with two valves, and a step of the pump's flow between its halves."""
+    """One pass with two valves, and a step of the pump's flow between its halves.
+
+    At relief, the second inlet only adds to what both bypasses take: a bound that roundings of pressures do not reach.
+    """
     beyond = behind(x.w, x.a_2, p_2, Outlet(x.b_2, pump.p_return), x.b_1)
     q = _stepped_flow(x, tangent(x.q, x.a_1, p_1, beyond), pump, power)
-    w = stepped(x.w, x.dw, passed_first(q.value, x.a_1, p_1, beyond, pump), q.value, x.still)
+    passed = min(passed_on(q.value, x.a_1, p_1, beyond), max(driven_at_relief(beyond, pump), x.both))
+    w = stepped(x.w, x.dw, passed, q.value, x.still)
     largest = max(abs(q.change) * q.value, abs(w.change))
     still = settled(largest, x.largest, q.value)
-    return Limited(q.value, x.least, q.change, w.value, w.change, x.a_1, x.b_1, x.a_2, x.b_2, largest, still)
+    return Limited(q.value, x.least, q.change, w.value, w.change, x.a_1, x.b_1, x.a_2, x.b_2, x.both, largest, still)
 
 
 @kernel
