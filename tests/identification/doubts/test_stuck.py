@@ -5,6 +5,7 @@ import pytest
 
 from helpers.machine_log import changed, machine_log
 from polydraulic import load_machine
+from polydraulic.display import amount
 from polydraulic.identification.doubts.stuck import without_stuck
 from polydraulic.tables import Table
 
@@ -45,6 +46,14 @@ def test_rows_at_the_end_of_a_range_are_left_out(true, log):
     [text] = found.texts
     assert text.startswith("boom.p_b reads 150 bar, the end of its range, in ")
     assert text.endswith("% of the rows: not used there")
+
+
+def test_an_end_at_which_a_signal_may_stay_is_not_told_besides_the_other_one(true, log):
+    flow = np.minimum(np.abs(log["boom.q_in"]), 0.7 * log["boom.q_in"].max())
+    flow[0] = 0.0  # the smallest value
+    [text] = without_stuck(true, changed(log, boom_q_in=flow)).texts
+    assert text.count("the end of its range") == 1
+    assert text.startswith(f"boom.q_in reads {amount(flow.max(), 'm3/s')}, the end of its range")
 
 
 @pytest.mark.parametrize("name", ["boom.p_a", "boom.q_in", "boom.spool", "boom.voltage", "boom.angle"])

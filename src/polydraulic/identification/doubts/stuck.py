@@ -57,24 +57,8 @@ def without_stuck(machine: LayoutMachine, table: Table) -> Stuck:
             name = f"{f.name}.{what}"
             if name not in table.names or not table.known([name]).any():
                 continue
-            values, unit = table.columns[name], table.unit(name)
-            begin, end = _runs(values)
-            stops = tuple(f.stops) if what in ("angle", "position") else ()
-            if not _noisy(values, begin, end):
-                continue
-            rows, told = np.zeros(len(values), dtype=bool), list[str]()
-            for most in _ends(what, values):
-                saturated = _at_end(values, begin, end, most) if _strange(most, stops) else rows
-                if saturated.any():
-                    share = f"{saturated.mean():.1%} of the rows"
-                    told.append(f"reads {amount(most, unit)}, the end of its range, in {share}")
-                rows = rows | saturated
-            for b, e in _stopped(table["time"], begin, end):
-                if not rows[b] and _strange(values[b], stops):
-                    rows[b:e] = True
-                    told.append(
-                        f"stays at {amount(float(values[b]), unit)} for {table['time'][e - 1] - table['time'][b]:.3g} s"
-                    )
+            values, stops = table.columns[name], tuple(f.stops) if what in ("angle", "position") else ()
+            rows, told = _silent(table["time"], values, _ends(what, values), stops, table.unit(name))
             if not told:
                 continue
             if rows.mean() > _MOST and what.startswith(("p_", "q_")):
@@ -87,6 +71,26 @@ def without_stuck(machine: LayoutMachine, table: Table) -> Stuck:
         return Stuck(table, [])
     left = {name: values for name, values in columns.items() if name not in dead}
     return Stuck(Table(left, table.units, table.info).partial(), texts)
+
+
+def _silent(
+    time: np.ndarray, values: np.ndarray, ends: list[float], stops: tuple[float, ...], unit: str
+) -> tuple[np.ndarray, list[str]]:
+    """Rows in which a sensor says nothing, (n_row,) of bool, and what it does there, in words."""
+    rows, told = np.zeros(len(values), dtype=bool), list[str]()
+    begin, end = _runs(values)
+    if not _noisy(values, begin, end):
+        return rows, told
+    for most in ends:
+        saturated = _at_end(values, begin, end, most)
+        if saturated.any() and _strange(most, stops):
+            rows |= saturated
+            told.append(f"reads {amount(most, unit)}, the end of its range, in {saturated.mean():.1%} of the rows")
+    for b, e in _stopped(time, begin, end):
+        if not rows[b] and _strange(values[b], stops):
+            rows[b:e] = True
+            told.append(f"stays at {amount(float(values[b]), unit)} for {time[e - 1] - time[b]:.3g} s")
+    return rows, told
 
 
 def _ends(what: str, values: np.ndarray) -> list[float]:
