@@ -1,8 +1,8 @@
 """How long `identify` takes for 25 minutes of a log, next to `fit-machine` of an earlier commit on the same rows.
 
-``python benchmarks/identify_time.py [--old FOLDER] [--rounds N] [--caches FOLDER]``: processor time of whole commands with all their children, which neighbours do not add
-to; rounds are interleaved, and a ratio is the median of those within a round. `--old` is a checkout of an earlier commit with an environment
-of its own in ``.venv``. The log has every sensor of all functions of cat215b at 20 ms, noise as `record --example` has it, of an operator who drives
+``python benchmarks/identify_time.py [--old FOLDER] [--rounds N] [--caches FOLDER]``: processor time of whole commands with all their
+children, which neighbours do not add to; rounds are interleaved, and a ratio is the median of those within a round. `--old` is a
+checkout of an earlier commit with an environment of its own in ``.venv``. The log has every sensor of all functions of cat215b at 20 ms, noise as `record --example` has it, of an operator who drives
 spools to their ends. Both commands run once before on its first minutes, so that nothing is compiled; not where ``--caches FOLDER`` names what
 such a run has compiled before.
 """

@@ -6,9 +6,9 @@ FOLDER holds ``rc_excavator/manual_1.csv.gz`` to ``manual_5.csv.gz``: a hydrauli
 with an irregular clock; commands of the valves, strokes of the cylinders, angle of the swing. Logs go through the import, onto a raster of 50 ms.
 Windows of 10 s and 30 s begin every half second, from 2 s on, as far as models with play look back; the error at their end, mean over windows,
 is given in % of the joint's range in the logs that were learnt from. The swing is said to turn without end. Runs 4 and 5 play no part in any
-choice. Joint models go by how strong the rows before a window, as far back as the log's first, show the joints to be; a row of the table has them without.
-ARX models have nothing of the kind. The last row is learnt from these two themselves: what models of this form can do at all, next to which the row above shows how much
-differs from run to run. A last table judges each of runs 1 to 3 by a model of the other two, which all choices go by, and by one of
+choice. Joint models go by how strong the rows before a window, as far back as the log's first, show the joints to be; a row of the table has
+them without. ARX models have nothing of the kind. The last row is learnt from these two themselves: what models of this form can do at all,
+next to which the row above shows how much differs from run to run. A last table judges each of runs 1 to 3 by a model of the other two, which all choices go by, and by one of
 itself, which says what is left where a model has seen how strong the machine was that day.
 """
 
