@@ -68,7 +68,7 @@ def import_(
     from polydraulic.files import check_apart, check_new, write_text
     from polydraulic.measure.channels import load_channels
     from polydraulic.measure.formats.campaign import expand
-    from polydraulic.measure.importing import import_log
+    from polydraulic.measure.importing import import_log, missing_in_words
     from polydraulic.measure.quality import write_quality
     from polydraulic.measure.suggest import suggest_channels
 
@@ -107,10 +107,8 @@ def import_(
     print(
         f"{out}: {imported.n_row} rows in {imported.n_segment} segment(s); {page}: {len(imported.findings)} finding(s)"
     )
-    lacking = {name: count for name, count in (imported.missing or {}).items() if count}
     if imported.missing is not None:
-        of = ", ".join(f"{name} {count}" for name, count in lacking.items()) or "none"
-        print(f"rows in which a channel has no value, kept as missing: {of}")
+        print(f"rows in which a channel has no value, kept as missing: {missing_in_words(imported.missing)}")
     errors = sum(finding.level == "error" for finding in imported.findings)
     if strict and errors:
         print(f"--strict: {errors} error(s) above")

@@ -163,6 +163,11 @@ def import_log(
     )  # fmt: skip
 
 
+def missing_in_words(missing: dict[str, int]) -> str:
+    """Columns of a partial table that lack values, and in how many rows: ``"boom.p_a 50, speed 1"``."""
+    return ", ".join(f"{name} {count}" for name, count in missing.items() if count) or "none"
+
+
 class _Rows:
     """Rows on their way to the table: counted, and those in which all is known kept for the excerpt."""
 

@@ -12,7 +12,7 @@ from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
 from polydraulic.measure.findings import SHOWN, Finding
 from polydraulic.measure.flows import flow_statement, rate_statement
-from polydraulic.measure.importing import Imported
+from polydraulic.measure.importing import Imported, missing_in_words
 from polydraulic.pages.html import Cell, bullets, document, table
 from polydraulic.unit_table import ATMOSPHERE
 from polydraulic.units import Conversion
@@ -114,8 +114,7 @@ def _atmosphere(imported: Imported) -> float | None:
 def _partial(imported: Imported) -> str:
     if imported.missing is None:
         return ""
-    lacking = ", ".join(f"{name} {count}" for name, count in imported.missing.items() if count)
-    return f"; it is partial, rows without a value of a channel: {escape(lacking) or 'none'}"
+    return f"; it is partial, rows without a value of a channel: {escape(missing_in_words(imported.missing))}"
 
 
 def _pressures(imported: Imported) -> str:
