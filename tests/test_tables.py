@@ -339,6 +339,9 @@ def test_declared_missing_values_are_counted_by_row():
     assert table.unit("missing") == "1"
     assert table.partial() == table
     assert table.known(["a"]).tolist() == [True, True, False, True, True, True, True]
+    for some in (table, Table({"a": np.zeros(3)}, {})):
+        with pytest.raises(InputError, match="no column 'c'"):
+            some.known(["a", "c"])
 
 
 def test_whole_rows_are_those_of_the_columns_asked_for_and_segments_are_cut():

@@ -180,9 +180,9 @@ class Table:
 
     def known(self, names: Sequence[str]) -> np.ndarray:
         """Return in which rows all of the named columns have a value, (n_row,) array of bool."""
-        found = np.ones(len(self), dtype=bool)
-        for name in names if MISSING in self else ():
-            found &= ~np.isnan(self._column(name))
+        columns, found = [self._column(name) for name in names], np.ones(len(self), dtype=bool)
+        for column in columns if MISSING in self else ():
+            found &= ~np.isnan(column)
         return found
 
     def whole(self, names: Sequence[str]) -> "Table":
