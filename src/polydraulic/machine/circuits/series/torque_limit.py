@@ -2,7 +2,8 @@
 
 Such a pass is that of circuits of three valves and more (`series.passes`): at a flow the circuit looks like one orifice of the same pressure
 and slope, and one step of Newton leads towards the flow that the pump delivers at that pressure; so both settle at once, mostly in 1 to 6
-passes, in 17 at worst where conductances over six decades meet. A circuit that has not settled in all `LIMIT_PASSES` says so.
+passes, in 20 at worst of a million states where conductances over six decades meet. A circuit that has not settled in all `LIMIT_PASSES`, as a few do
+whose second port is 1e-12 of the relief pressure below it, says so.
 """
 
 from math import sqrt
