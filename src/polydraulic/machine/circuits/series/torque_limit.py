@@ -59,7 +59,9 @@ def limit_begin_1(k_1: Orifices, pump: Pump) -> Limited:
 def limit_begin_2(k_1: Orifices, k_2: Orifices, pump: Pump) -> Limited:
     """The same with two valves; most of the flow passes the first."""
     a_1, b_1, a_2, b_2 = resistance(k_1.inlet), resistance(k_1.bypass), resistance(k_2.inlet), resistance(k_2.bypass)
-    both = sqrt(max(pump.relief - pump.p_return, 0.0) / (b_1 + b_2))
+    # conductances, as a closed bypass takes nothing, though its resistance is finite
+    b, c = k_1.bypass * k_1.bypass, k_2.bypass * k_2.bypass
+    both = sqrt(b * c / (b + c + 1e-300) * max(pump.relief - pump.p_return, 0.0))
     return Limited(
         pump.flow, least_flow(pump), AT_FIRST, 0.9 * pump.flow, AT_FIRST, a_1, b_1, a_2, b_2, both, AT_FIRST, False
     )
