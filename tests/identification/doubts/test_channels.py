@@ -2,21 +2,11 @@
 
 import pytest
 
-from helpers.machine_log import changed, machine_log
-from polydraulic import InputError, load_machine
+from helpers.machine_log import changed
+from polydraulic import InputError
 from polydraulic.identification import identify, replay, watch_log
 from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.tables import Table
-
-
-@pytest.fixture(scope="module")
-def true():
-    return load_machine("cat215b")
-
-
-@pytest.fixture(scope="module")
-def log():
-    return machine_log(120.0)
 
 
 @pytest.fixture(scope="module")

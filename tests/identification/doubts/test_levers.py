@@ -6,21 +6,10 @@ import numpy as np
 import pytest
 
 from helpers.machine_log import changed, machine_log
-from polydraulic import load_machine
 from polydraulic.identification.doubts.levers import Votes, lever_doubts, votes_of
 from polydraulic.tables import Table
 
 PLACE = "boom.angle"
-
-
-@pytest.fixture(scope="module")
-def true():
-    return load_machine("cat215b")
-
-
-@pytest.fixture(scope="module")
-def log():
-    return machine_log(120.0)
 
 
 def bare(log, *parts):

@@ -5,20 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from helpers.machine_log import changed, machine_log
-from polydraulic import load_machine
+from helpers.machine_log import changed
 from polydraulic.identification.doubts.pressures import pressure_doubts
 from polydraulic.tables import Table
-
-
-@pytest.fixture(scope="module")
-def true():
-    return load_machine("cat215b")
-
-
-@pytest.fixture(scope="module")
-def log():
-    return machine_log(120.0)
 
 
 def doubts(machine, table):

@@ -3,21 +3,10 @@
 import numpy as np
 import pytest
 
-from helpers.machine_log import changed, machine_log
-from polydraulic import load_machine
+from helpers.machine_log import changed
 from polydraulic.display import amount
 from polydraulic.identification.doubts.stuck import without_stuck
 from polydraulic.tables import Table
-
-
-@pytest.fixture(scope="module")
-def true():
-    return load_machine("cat215b")
-
-
-@pytest.fixture(scope="module")
-def log():
-    return machine_log(120.0)
 
 
 def test_a_healthy_log_is_left_as_it_is(true, log):
