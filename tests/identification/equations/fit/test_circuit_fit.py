@@ -10,6 +10,7 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     fit_circuit,
     flows_of,
     measured_flows,
+    moved,
     normal,
 )
 from polydraulic.identification.equations.fit.knots import grow
@@ -145,3 +146,11 @@ def test_what_no_row_shows_stays_near_its_value():
     prior = Prior(start, 1.0, {})
     model, _ = fit_circuit(start, seen, prior, 10)
     assert model.valves[0].inlet[-1] == pytest.approx(START.inlet[-1], rel=0.25)
+
+
+def test_an_orifice_that_steps_shut_is_shut_and_not_open_by_what_rounding_leaves():
+    valve = Curves(np.array([0.0, 5e-3, 9e-3]), np.array([0.0, 1e-6, 2e-6]), np.array([3e-6, 1e-6, 1e-6]))
+    step = np.concatenate([np.zeros(3), -(1.0 - 1e-15) * np.array([0.0, 1e-6, 1e-6]), np.zeros(3)])
+    found = moved(CircuitModel((valve,), PUMP), step, []).valves[0]
+    assert found.bypass.tolist() == [3e-6, 0.0, 0.0]
+    assert found.inlet.tolist() == valve.inlet.tolist()

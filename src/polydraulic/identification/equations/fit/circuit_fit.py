@@ -24,6 +24,7 @@ from polydraulic.machine.pump import Pump
 
 LEADS = ("lead", "lead_position")
 _FLOOR = 1e-9  # of the widest conductance: a closed orifice would have no slope
+_ROUNDING = 1e-12  # of the widest: what rounding leaves of an orifice that a step shuts
 _NEAREST = 0.3  # of the distance to the next knot that a knot moves in a step
 _CHUNK = 2048
 _DIFFERENCE = 1e-4  # relative, for slopes over numbers of the pump
@@ -309,7 +310,7 @@ def moved(model: CircuitModel, step: np.ndarray, of_pump: list[str]) -> CircuitM
         )
         inlet = np.maximum.accumulate(np.maximum(inlet, 0.0))
         bypass = np.maximum.accumulate(np.maximum(bypass, 0.0)[::-1])[::-1]
-        valves.append(Curves(knots, inlet, bypass))
+        valves.append(Curves(knots, *(np.where(k > _ROUNDING * k.max(), k, 0.0) for k in (inlet, bypass))))
         at += 3 * m
     pump, leads = model.pump, {}
     for k, name in enumerate(of_pump):
