@@ -290,6 +290,16 @@ def test_names_of_columns_travel_or_are_refused_before_anything_is_written(endin
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize("value", [np.ones(3), np.int64(1), {1.0, 2.0}, {"deep": [np.ones(2)]}])
+def test_information_that_no_file_keeps_is_named_and_nothing_is_written(tmp_path, value):
+    table = Table({"x": np.ones(1)}, {}, {"n": 1, "gains": value})
+    with pytest.raises(InputError, match=r"info\['gains'\] of the table is .*: convert it first"):
+        table.to_arrow()
+    with pytest.raises(InputError, match=r"info\['gains'\]"):
+        write_table(table, tmp_path / "a.parquet")
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("name", "metadata"),
     [("x", {b"polydraulic": b"[1]"}), ("x", {b"polydraulic": b"{"}), ("x", {b"polydraulic": b"\xff"}), ("x", {b"polydraulic": b"[" * 100_000})],

@@ -62,7 +62,20 @@ def arrow_schema(units: Mapping[str, str], info: Mapping[str, object]) -> "pa.Sc
     import pyarrow as pa
 
     fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units.items()]
-    return pa.schema(fields, metadata={_INFO_KEY: json.dumps(dict(info))})
+    return pa.schema(fields, metadata={_INFO_KEY: _info_text(info)})
+
+
+def _info_text(info: Mapping[str, object]) -> str:
+    """What made a table, as JSON."""
+    for key, value in info.items():
+        try:
+            json.dumps({key: value})
+        except (TypeError, ValueError, RecursionError) as error:
+            raise InputError(
+                f"info[{key!r}] of the table is {briefly(value)} ({type(value).__name__}); files keep numbers, texts, and lists and dicts of "
+                "these: convert it first, an array by its tolist()"
+            ) from error
+    return json.dumps(dict(info))
 
 
 def arrow_unit(entry: "pa.Field") -> str:

@@ -270,7 +270,7 @@ def write_table(table: Table, path: str | Path) -> None:
     Raises
     ------
     InputError
-        If the ending is neither, or the place cannot be written.
+        If the ending is neither, the place cannot be written, or ``table.info`` holds what no file keeps.
     """
     with table_writer(path, {name: table.unit(name) for name in table.names}, table.info) as write:
         write(list(table.columns.values()))
