@@ -13,6 +13,7 @@ import numpy as np
 
 from polydraulic.display import amount
 from polydraulic.identification.log_pieces import even_pieces, raster_of
+from polydraulic.identification.noise import noise_of_pieces
 from polydraulic.identification.plausible import position_column
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.parts import MachineFunction
@@ -168,7 +169,9 @@ def votes_of(machine: LayoutMachine, table: Table, lever: MachineFunction, what:
         return Votes(0, 0)
     fastest = float(np.quantile(np.abs(np.concatenate([way for _, way, _ in pieces])), 0.98))
     between = min(moved.stops.high - moved.stops.low, _LONGEST_WAY)
-    least = max(_NOISES * _noise([position for _, _, position in pieces]), _USUAL * fastest, _LEAST_WAY * between)
+    # of a difference
+    noise = np.sqrt(2.0) * noise_of_pieces([position for _, _, position in pieces])
+    least = max(_NOISES * noise, _USUAL * fastest, _LEAST_WAY * between)
     along = against = up = down = 0
     for order, way, _ in pieces:
         going = np.sign(way) * (np.abs(way) > least)
@@ -242,12 +245,6 @@ def _way(position: np.ndarray, reach: int) -> np.ndarray:
     way = np.zeros(len(position))
     way[reach:-reach] = position[2 * reach :] - position[: -2 * reach]
     return way
-
-
-def _noise(positions: list[np.ndarray]) -> float:
-    """Standard deviation of the noise of a difference: from fourth differences, which leave nothing of a smooth signal."""
-    fourth = np.abs(np.concatenate([np.diff(position, n=4) for position in positions]))
-    return 1.4826 * float(np.median(fourth)) / np.sqrt(35.0) if len(fourth) else 0.0
 
 
 def _runs(side: np.ndarray) -> list[tuple[int, int]]:

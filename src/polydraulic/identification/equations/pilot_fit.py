@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver
-from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.log_pieces import raster_within
+from polydraulic.identification.noise import noise_level
 from polydraulic.machine.play import followed
 from polydraulic.parameters.schema import Pilot
 

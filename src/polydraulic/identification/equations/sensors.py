@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
 from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.pilot_fit import Jets, PilotFit, fit_pilot, moves_against, smooth_spool
+from polydraulic.identification.noise import noise_level
 from polydraulic.identification.plausible import position_column
 from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction
@@ -76,11 +76,7 @@ def read_function(
     """
     of = f.name
     found = {what: table.columns.get(f"{of}.{what}") for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
-    noise = {}
-    for what, values in found.items():
-        if values is not None:
-            known = ~np.isnan(values)
-            noise[what] = noise_level(values[known], segments_of(segment, known))
+    noise = {what: noise_level(values, segment) for what, values in found.items() if values is not None}
     place = position_column(machine, f)
     volume_a = volume_b = None
     if place in table.names:

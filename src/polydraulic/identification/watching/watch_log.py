@@ -11,8 +11,8 @@ from polydraulic.display import dated, moment
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import PartTimes, table_of, times_of_parts, whole_rows
 from polydraulic.identification.doubts.channels import channel_doubts
-from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.log_pieces import raster_of
+from polydraulic.identification.noise import noise_level
 from polydraulic.identification.plausible import UNITS, check_plausible, check_units
 from polydraulic.identification.watching.fault_networks import networks_ending, networks_for
 from polydraulic.pages.text import text_table

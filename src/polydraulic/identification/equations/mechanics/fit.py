@@ -24,7 +24,6 @@ from polydraulic.identification.equations.mechanics.motion_rows import (
 from polydraulic.identification.equations.mechanics.noise_bias import noise_pull
 from polydraulic.identification.equations.mechanics.torque_check import check_torques
 from polydraulic.identification.equations.mechanics.weight_widths import weight_widths
-from polydraulic.identification.equations.noise import robust_deviation
 from polydraulic.identification.equations.numbers.estimates import (
     Estimates,
     correlation_of,
@@ -39,6 +38,7 @@ from polydraulic.identification.equations.numbers.unbounded import (
     unbounded,
 )
 from polydraulic.identification.log_pieces import in_si
+from polydraulic.identification.noise import robust_deviation
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.tables import Table

@@ -12,7 +12,7 @@ import numpy as np
 
 from polydraulic.identification.equations.mechanics.motion_rows import MotionRows, Piece
 from polydraulic.identification.equations.mechanics.weight_widths import sensor_noise
-from polydraulic.identification.equations.noise import robust_deviation
+from polydraulic.identification.noise import robust_deviation
 
 
 class NoisePull(NamedTuple):

@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic.identification.equations.mechanics.inertia import Inertial, inertial_values, torque_regressor
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, oil_torques
-from polydraulic.identification.equations.noise import noise_level
+from polydraulic.identification.noise import noise_of_pieces
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 # s: a shorter weight does not join enough samples, and a longer one leaves few rows in which a joint moves all the while
@@ -23,10 +23,12 @@ _POSES = 100
 
 
 def sensor_noise(pieces: Sequence[Piece]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Standard deviations of positions and of pressures at A and B, (n_function,) each."""
-    segment = np.repeat(np.arange(len(pieces)), [len(piece.time) for piece in pieces])
-    whole = (np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("position", "p_a", "p_b"))
-    position, p_a, p_b = (np.array([noise_level(column, segment) for column in values.T]) for values in whole)
+    """Standard deviations of noise of positions, rad or m, and of pressures at A and B, Pa, (n_function,) each."""
+    functions = range(pieces[0].position.shape[1])
+    position, p_a, p_b = (
+        np.array([noise_of_pieces([getattr(piece, name)[:, k] for piece in pieces]) for k in functions])
+        for name in ("position", "p_a", "p_b")
+    )
     return position, p_a, p_b
 
 

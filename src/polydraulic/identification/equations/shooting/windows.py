@@ -12,6 +12,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of
+from polydraulic.identification.noise import noise_of_pieces
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, function_column, kept_quantities
 from polydraulic.tables import Table
@@ -19,6 +20,7 @@ from polydraulic.tables import Table
 LONGEST_STEP = 5e-3  # s
 LEAD = 1.0  # s of a piece before its first window: pilots have forgotten how it began
 _NEAR = 0.1  # s before and after the start of a window
+_LEAST_NOISE = 1e-12  # SI, of a sensor that never moves: what is left of runs is divided by it
 
 
 class ComparedColumn(NamedTuple):
@@ -28,7 +30,7 @@ class ComparedColumn(NamedTuple):
     ----------
     column : str
     noise : float, SI
-        Standard deviation of its white noise, by the differences of neighbouring rows.
+        Standard deviation of its white noise.
     """
 
     column: str
@@ -138,12 +140,15 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
         )
     if len(starts) > most:
         starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
-    channels = [ComparedColumn(name, _noise(pieces, 2 * n + k)) for k, name in enumerate(sensors)]
+    noise = [
+        max(noise_of_pieces([values[:, k] for _, values in pieces]), _LEAST_NOISE)
+        for k in range(n, 2 * n + len(sensors))
+    ]
+    channels = [ComparedColumn(name, level) for name, level in zip(sensors, noise[n:], strict=True)]
     fits, led = (
         [_parabola(pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n], raster) for k, row in starts]
         for back in (0, lead)
     )
-    noise = np.array([_noise(pieces, n + k) for k in range(n)])
     gain_position, gain_rate = _parabola_gain(near, raster)
 
     def at_start(what: str) -> np.ndarray | None:
@@ -166,8 +171,8 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
         np.array([fit[1] for fit in fits]),
         np.array([fit[0] for fit in led]),
         np.array([fit[1] for fit in led]),
-        noise * gain_position,
-        noise * gain_rate,
+        np.array(noise[:n]) * gain_position,
+        np.array(noise[:n]) * gain_rate,
         at_start("p_a"),
         at_start("p_b"),
         np.array([pieces[k][0][row] for k, row in starts]),
@@ -194,16 +199,6 @@ def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np
         return command
     fine = at[0] + raster / every * np.arange((len(at) - 1) * every + 1)
     return np.asarray(PchipInterpolator(at, command)(np.minimum(fine, at[-1])))
-
-
-def _noise(pieces: Sequence[tuple[np.ndarray, np.ndarray]], column: int) -> float:
-    """Standard deviation of white noise: of fourth differences, which leave nothing of a smooth signal."""
-    differences = np.concatenate([np.diff(values[:, column], n=4) for _, values in pieces])
-    differences = differences[~np.isnan(differences)]
-    size = 1.4826 * float(np.median(np.abs(differences))) / np.sqrt(70.0) if len(differences) else 0.0
-    known = [own[~np.isnan(own)] for own in (values[:, column] for _, values in pieces)]
-    whole = max((float(np.ptp(own)) for own in known if len(own)), default=0.0)
-    return max(size, 1e-5 * whole, 1e-12)
 
 
 def _parabola(values: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]:
