@@ -23,11 +23,11 @@ def lagging_log():
     machine, log = load_machine("cat215b"), machine_log(120.0)
     f, circuit = machine.function("boom"), machine.circuit("boom")
     time, voltage, spool = log["time"], log["boom.voltage"], log["boom.spool"]
-    ports = [log[f"boom.{port}"] for port in ("p_a", "p_b")]
+    read = {"p_a": log["boom.p_a"], "p_b": log["boom.p_b"]}
     does = SpoolEffects(LAG, prepare_shift(SPRING))
     pieces, start = np.array([[0, len(time)]]), np.zeros(len(time))
     for _ in range(20):  # until jets are those of the spool that they push
-        signals = {"boom": Signals(spool, *ports, *[None] * 8, dict.fromkeys(("p_a", "p_b"), 5e4), None)}
+        signals = {"boom": Signals(read | {"spool": spool}, {}, dict.fromkeys(read, 5e4))}
         jets = jets_of(machine, circuit, signals, log["segment"], {})["boom"].strength
         before = spool
         spool = driven_spool(f.pilot, f.valve.knots[-1], time, pieces, voltage, start, _RASTER, does, jets)

@@ -99,7 +99,7 @@ def balances(
     machine: LayoutMachine, names: tuple[str, ...], signals: dict[str, Signals], segment: np.ndarray, raster: float
 ) -> dict[str, Balance]:
     """Flows of functions, all in rows where all are measured, all in windows elsewhere."""
-    measured = all(signals[name].q_in is not None for name in names)
+    measured = all("q_in" in signals[name].values for name in names)
     long = 1 if measured else max(3, round(WINDOW / raster) + 1)
     rows = windows(segment, long)
     return {n: balance(machine.function(n), machine.tank.floor, signals[n], rows, raster, measured) for n in names}
@@ -115,16 +115,11 @@ def circuit_rows(
     rows = of[names[0]].rows
     travel, p_in, p_rate = (np.empty((*rows.shape, len(names))) for _ in range(3))
     for k, name in enumerate(names):
-        s = signals[name]
-        assert s.spool is not None
-        assert s.p_a is not None
-        assert s.p_b is not None
-        assert s.rate_a is not None
-        assert s.rate_b is not None
-        travel[:, :, k] = np.abs(s.spool)[rows]
-        forward = s.spool > 0.0
-        p_in[:, :, k] = np.where(forward, s.p_a, s.p_b)[rows]
-        p_rate[:, :, k] = np.where(forward, s.rate_a, s.rate_b)[rows]
+        spool, rates = signals[name].values["spool"], signals[name].rates
+        p_a, p_b = (signals[name].values[port] for port in ("p_a", "p_b"))
+        travel[:, :, k] = np.abs(spool)[rows]
+        p_in[:, :, k] = np.where(spool > 0.0, p_a, p_b)[rows]
+        p_rate[:, :, k] = np.where(spool > 0.0, rates["p_a"], rates["p_b"])[rows]
     one_side = np.column_stack([of[name].known_in for name in names])
     noise = {what: np.array([signals[name].noise[what] for name in names]) for what in ("spool", "p_a")}
     return CircuitRows(
@@ -240,13 +235,10 @@ def identify_circuit(
 
 def with_clocks(s: Signals, b: Balance, model: CircuitModel) -> tuple[Signals, Balance]:
     """Pressures, and flows balanced from these and positions, as if all clocks were that of the spools."""
-    assert s.p_a is not None
-    assert s.p_b is not None
-    assert s.rate_a is not None
-    assert s.rate_b is not None
     leads = (model.lead, model.lead_position)
+    moved = {port: s.values[port] + model.lead * s.rates[port] for port in ("p_a", "p_b")}
     return (
-        s._replace(p_a=s.p_a + model.lead * s.rate_a, p_b=s.p_b + model.lead * s.rate_b),
+        s._replace(values=s.values | moved),
         b._replace(q_in=b.q_in + b.rates_in @ leads, q_out=b.q_out + b.rates_out @ leads),
     )
 

@@ -83,66 +83,65 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
     measured : bool
         Whether flows are taken from their sensors; windows are single rows then.
     """
-    assert s.spool is not None
-    assert s.p_a is not None
-    assert s.p_b is not None
-    forward = s.spool[rows] > 0.0
-    if measured:
-        assert s.q_in is not None
-        flows = [np.full(len(rows), np.nan) if q is None else q[rows[:, 0]] for q in (s.q_in, s.q_out)]
-        known = [~np.isnan(q) for q in flows]
-        return Balance(
-            rows,
-            np.where(known[0], flows[0], 0.0),
-            np.where(known[1], flows[1], 0.0),
-            np.zeros((len(rows), 2)),
-            np.zeros((len(rows), 2)),
-            known[0],
-            known[1],
-            s.noise["q_in"],
-            s.noise.get("q_out", np.inf),
-        )
-    assert s.volume_a is not None
-    assert s.volume_b is not None
-    assert s.rate_a is not None
-    assert s.rate_b is not None
-    assert s.volume_rate_a is not None
-    assert s.volume_rate_b is not None
-    time, line = raster * (rows.shape[1] - 1), f.line
-    weights = mean_weights(rows.shape[1])
-    leak = line.leakage * ((s.p_a - s.p_b)[rows] @ weights)
-    lost_a, lost_b = (line.external_leakage * (p[rows] @ weights) for p in (s.p_a, s.p_b))
-    last, first = rows[:, -1], rows[:, 0]
-    into_a = (
-        (s.volume_a[last] - s.volume_a[first] + line.compliance_a * (s.p_a[last] - s.p_a[first])) / time + leak + lost_a
-    )
-    into_b = (
-        (s.volume_b[last] - s.volume_b[first] + line.compliance_b * (s.p_b[last] - s.p_b[first])) / time - leak + lost_b
-    )
-    rates_a, rates_b = (
-        np.column_stack([c * (p[last] - p[first]), v[last] - v[first]]) / time
-        for c, p, v in (
-            (line.compliance_a, s.rate_a, s.volume_rate_a),
-            (line.compliance_b, s.rate_b, s.volume_rate_b),
-        )
-    )
-    one_side = forward.all(axis=1) | (~forward).all(axis=1)
-    ahead = forward[:, 0]
-    shut = [((p[rows] > floor + _MARGIN) & (p[rows] < line.relief - _MARGIN)).all(axis=1) for p in (s.p_a, s.p_b)]
-    noise = {
-        side: float(np.hypot(np.sqrt(2.0) * s.noise[f"volume_{side}"], np.sqrt(2.0) * c * s.noise[f"p_{side}"]) / time)
-        for side, c in (("a", line.compliance_a), ("b", line.compliance_b))
-    }
-    q_in, q_out = np.where(ahead, into_a, into_b), np.where(ahead, -into_b, -into_a)
+    return _read(s, rows) if measured else _balanced(f, floor, s, rows, raster)
+
+
+def _read(s: Signals, rows: np.ndarray) -> Balance:
+    """Flows as their sensors read them."""
+    silent = np.full(len(s.values["q_in"]), np.nan)
+    q_in, q_out = (s.values.get(what, silent)[rows[:, 0]] for what in ("q_in", "q_out"))
     known_in, known_out = ~np.isnan(q_in), ~np.isnan(q_out)
+    none = np.zeros((len(rows), 2))
+    return Balance(
+        rows, np.nan_to_num(q_in), np.nan_to_num(q_out), none, none, known_in, known_out, s.noise["q_in"], s.noise.get("q_out", np.inf)
+    )  # fmt: skip
+
+
+def _balanced(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, raster: float) -> Balance:
+    """Flows as volumes and pressures tell them; not known where spools change sides or a valve of the line can have opened."""
+    forward = s.values["spool"][rows] > 0.0
+    ahead, one_side = forward[:, 0], forward.all(axis=1) | (~forward).all(axis=1)
+    a, b = (_into(f, floor, s, side, rows, raster) for side in ("a", "b"))
+    q_in, q_out = np.where(ahead, a.flow, b.flow), np.where(ahead, -b.flow, -a.flow)
+    known_in, known_out = ~np.isnan(q_in), ~np.isnan(q_out)
+    noise = max(a.noise, b.noise)
     return Balance(
         rows,
         np.where(known_in, q_in, 0.0),
         np.where(known_out, q_out, 0.0),
-        np.where(known_in[:, None], np.where(ahead[:, None], rates_a, rates_b), 0.0),
-        np.where(known_out[:, None], np.where(ahead[:, None], -rates_b, -rates_a), 0.0),
-        known_in & one_side & np.where(ahead, *shut),
-        known_out & one_side & np.where(ahead, shut[1], shut[0]),
-        max(noise.values()),
-        max(noise.values()),
+        np.where(known_in[:, None], np.where(ahead[:, None], a.rates, b.rates), 0.0),
+        np.where(known_out[:, None], np.where(ahead[:, None], -b.rates, -a.rates), 0.0),
+        known_in & one_side & np.where(ahead, a.shut, b.shut),
+        known_out & one_side & np.where(ahead, b.shut, a.shut),
+        noise,
+        noise,
+    )
+
+
+class _Into(NamedTuple):
+    """What enters a line through the valve in each window; `shut` where no valve of the line can have opened."""
+
+    flow: np.ndarray  # (n_window,) m3/s
+    rates: np.ndarray  # (n_window, 2) m3/s2, with the clocks of pressure and position
+    shut: np.ndarray  # (n_window,) of bool
+    noise: float  # m3/s
+
+
+def _into(f: MachineFunction, floor: float, s: Signals, side: str, rows: np.ndarray, raster: float) -> _Into:
+    """Of one side of the actuator: what displaces it and compresses the oil there, and what leaks away."""
+    line, other = f.line, "b" if side == "a" else "a"
+    compliance = line.compliance_a if side == "a" else line.compliance_b
+    p, far, volume = (s.values[what] for what in (f"p_{side}", f"p_{other}", f"volume_{side}"))
+    p_rate, volume_rate = s.rates[f"p_{side}"], s.rates[f"volume_{side}"]
+    first, last, time = rows[:, 0], rows[:, -1], raster * (rows.shape[1] - 1)
+    weights = mean_weights(rows.shape[1])
+    leaks = line.leakage * ((p - far)[rows] @ weights) + line.external_leakage * (p[rows] @ weights)
+    stored = volume[last] - volume[first] + compliance * (p[last] - p[first])
+    changes = [compliance * (p_rate[last] - p_rate[first]), volume_rate[last] - volume_rate[first]]
+    of_noise = np.hypot(s.noise[f"volume_{side}"], compliance * s.noise[f"p_{side}"])
+    return _Into(
+        stored / time + leaks,
+        np.column_stack(changes) / time,
+        ((p[rows] > floor + _MARGIN) & (p[rows] < line.relief - _MARGIN)).all(axis=1),
+        float(np.sqrt(2.0) * of_noise / time),
     )

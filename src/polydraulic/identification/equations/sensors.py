@@ -1,5 +1,6 @@
 """What a log says of each function of a machine: which sensors it has, signals in SI, how noisy they are, and what is missing for what."""
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,48 +15,36 @@ from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table, segments_of
 
+AT_VALVE = ("spool", "p_a", "p_b")
+
 
 class Signals(NamedTuple):
-    """What sensors read of a function; None where there is no sensor, NaN in rows in which it is silent.
+    """What sensors read of a function, by what it is: spool, p_a, p_b, q_in, q_out; volume_a and volume_b where its joint has a sensor.
 
     Attributes
     ----------
-    spool : (n_row,) array, m
-        From the sensor, and from the pilot where its voltage is known.
-    p_a, p_b : (n_row,) array, Pa
-    rate_a, rate_b : (n_row,) array, Pa/s
-        How fast these change.
-    q_in, q_out : (n_row,) array, m3/s
-    volume_a, volume_b : (n_row,) array, m3
-        That the joint's position gives the two sides of the actuator.
-    volume_rate_a, volume_rate_b : (n_row,) array, m3/s
-        How fast these change.
-    noise : dict
-        Standard deviation of each of these, in SI; of `spool` of what is left of it.
+    values : dict from quantity to (n_row,) array, SI
+        No entry where there is no sensor, NaN in rows in which it is silent. The spool's is that of the sensor, smoothed by the pilot where the voltage is
+        known; volumes are those that the joint's position gives the two sides of the actuator, m3.
+    rates : dict from quantity to (n_row,) array, SI per s
+        How fast pressures and volumes change.
+    noise : dict from quantity to float, SI
+        Standard deviation of its noise; of the spool, of what is left of it.
     pilot : PilotFit or None
     scale : float
-        Standard error of the scale of `spool`, relative: what the pilot drives is as wrong as its gain.
+        Standard error of the scale of the spool, relative: what the pilot drives is as wrong as its gain.
     """
 
-    spool: np.ndarray | None
-    p_a: np.ndarray | None
-    p_b: np.ndarray | None
-    rate_a: np.ndarray | None
-    rate_b: np.ndarray | None
-    q_in: np.ndarray | None
-    q_out: np.ndarray | None
-    volume_a: np.ndarray | None
-    volume_b: np.ndarray | None
-    volume_rate_a: np.ndarray | None
-    volume_rate_b: np.ndarray | None
+    values: dict[str, np.ndarray]
+    rates: dict[str, np.ndarray]
     noise: dict[str, float]
-    pilot: PilotFit | None
+    pilot: PilotFit | None = None
     scale: float = 0.0
 
     def at(self, rows: np.ndarray) -> "Signals":
         """Those rows, an array of bool."""
-        found = self._asdict()
-        return self._replace(**{name: v[rows] for name, v in found.items() if isinstance(v, np.ndarray)})
+        values, rates = ({what: v[rows] for what, v in of.items()} for of in (self.values, self.rates))
+        return self._replace(values=values, rates=rates)
 
 
 def read_function(
@@ -74,30 +63,24 @@ def read_function(
     fits_pilot : bool
         Whether the pilot is to be found from the log; otherwise it is that of the machine.
     """
-    of = f.name
-    found = {what: table.columns.get(f"{of}.{what}") for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
-    noise = {what: noise_level(values, segment) for what, values in found.items() if values is not None}
+    read = {what: table.columns.get(f"{f.name}.{what}") for what in (*AT_VALVE, "q_in", "q_out")}
+    values = {what: column for what, column in read.items() if column is not None}
+    noise = {what: noise_level(column, segment) for what, column in values.items()}
+    values |= {what: np.maximum(values[what], 0.0) for what in ("p_a", "p_b") if what in values}
     place = position_column(machine, f)
-    volume_a = volume_b = None
     if place in table.names:
         known = table.known([place])
         measured, pieces = table.columns[place][known], segments_of(segment, known)
         position = local_parabolas(measured, pieces)[0]
-        noise["position"] = noise_level(position, pieces)
-        volume_a, volume_b = (at_rows(known, side) for side in side_volumes(machine, f, position))
-        middle = levers(machine, f, position)
-        noise["volume_a"], noise["volume_b"] = (
-            noise_level(measured, pieces) / np.sqrt(0.5 * SMOOTHED) * float(np.mean(side)) for side in middle
+        level = noise_level(measured, pieces) / np.sqrt(0.5 * SMOOTHED)
+        sides = zip(
+            ("volume_a", "volume_b"), side_volumes(machine, f, position), levers(machine, f, position), strict=True
         )
-    p_a, p_b = (None if p is None else np.maximum(p, 0.0) for p in (found["p_a"], found["p_b"]))
-    rate_a, rate_b, volume_rate_a, volume_rate_b = (
-        None if v is None else _rate(v, segment, raster) for v in (p_a, p_b, volume_a, volume_b)
-    )
-    signals = Signals(
-        found["spool"], p_a, p_b, rate_a, rate_b, found["q_in"], found["q_out"], volume_a, volume_b, volume_rate_a, volume_rate_b, noise,
-        None,
-    )  # fmt: skip
-    if found["spool"] is None or found["voltage"] is None:
+        for what, volume, arm in sides:
+            values[what], noise[what] = at_rows(known, volume), level * float(np.mean(arm))
+    moving = [what for what in ("p_a", "p_b", "volume_a", "volume_b") if what in values]
+    signals = Signals(values, {what: _rate(values[what], segment, raster) for what in moving}, noise)
+    if not {f"{f.name}.voltage", f"{f.name}.spool"} <= set(table.names):
         return signals
     log = spool_log(f, table, segment)
     pilot = None if log is None else fit_pilot(*log[1:], f.valve.knots[-1], f.pilot)
@@ -149,7 +132,7 @@ def smoothed_by(
     strength = None if jets is None else jets.strength[rows]
     spool, left = smooth_spool(own, f.valve.knots[-1], time, pieces, voltage, measured, sensor, fit.effects, strength)
     scale = fit.errors.gain / own.gain if fits_pilot else 0.0
-    return s._replace(spool=at_rows(rows, spool), noise=s.noise | {"spool": left}, pilot=fit, scale=scale)
+    return Signals(s.values | {"spool": at_rows(rows, spool)}, s.rates, s.noise | {"spool": left}, fit, scale)
 
 
 def _rate(values: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:
@@ -177,15 +160,25 @@ def against_spools(machine: LayoutMachine, table: Table, segment: np.ndarray) ->
     return found
 
 
-def missing_for_circuit(machine: LayoutMachine, functions: tuple[str, ...], signals: dict[str, Signals]) -> str:
-    """Why a circuit cannot be fitted, in words; empty if it can."""
-    lacks = [
-        f"{name}.{what}"
-        for name in functions
-        for what in ("spool", "p_a", "p_b")
-        if getattr(signals[name], what) is None
-    ]
+def known_at_valves(functions: Sequence[str], signals: Mapping[str, Signals], n_row: int) -> np.ndarray:
+    """Rows in which spools and pressures of functions have a value, as far as they have sensors, (n_row,) of bool."""
+    known = np.ones(n_row, dtype=bool)
     for name in functions:
-        if signals[name].q_in is None and signals[name].volume_a is None:
+        for what in AT_VALVE:
+            if what in signals[name].values:
+                known &= ~np.isnan(signals[name].values[what])
+    return known
+
+
+def missing_at_valves(functions: Sequence[str], signals: Mapping[str, Signals]) -> list[str]:
+    """Columns of spools and pressures that a log lacks."""
+    return [f"{name}.{what}" for name in functions for what in AT_VALVE if what not in signals[name].values]
+
+
+def missing_for_circuit(machine: LayoutMachine, functions: Sequence[str], signals: Mapping[str, Signals]) -> str:
+    """Why a circuit cannot be fitted, in words; empty if it can."""
+    lacks = missing_at_valves(functions, signals)
+    for name in functions:
+        if not {"q_in", "volume_a"} & signals[name].values.keys():
             lacks.append(f"{name}.q_in or {position_column(machine, machine.function(name))}")
     return f"the log has no {', '.join(lacks)}" if lacks else ""

@@ -6,7 +6,7 @@ import pytest
 from helpers.machine_log import machine_log
 from polydraulic import load_machine
 from polydraulic.identification.equations.fit.jets import jets_of
-from polydraulic.identification.equations.sensors import Signals
+from polydraulic.identification.equations.sensors import AT_VALVE, Signals
 
 MACHINE = load_machine("cat215b")
 VALVE = MACHINE.function("boom").valve
@@ -15,9 +15,8 @@ NOISE = dict.fromkeys(("p_a", "p_b"), 1e5) | {"q_out": 8e-6}
 
 
 def jets(spool, p_a, p_b, q_out=None, errors=None):
-    rows = [np.full(12, value) for value in (spool, p_a, p_b)]
-    flow = None if q_out is None else np.full(12, q_out)
-    s = Signals(*rows, None, None, None, flow, *[None] * 4, NOISE, None)
+    read = {"spool": spool, "p_a": p_a, "p_b": p_b} | ({} if q_out is None else {"q_out": q_out})
+    s = Signals({what: np.full(12, value) for what, value in read.items()}, {}, NOISE)
     return jets_of(MACHINE, CIRCUIT, {"boom": s}, np.zeros(12), errors or {})["boom"]
 
 
@@ -69,7 +68,7 @@ def test_what_is_unsure_of_curves_is_unsure_of_jets():
 
 def test_noise_once_more_is_as_large_as_that_of_the_sensors():
     log = machine_log(120.0)
-    s = Signals(*(log[f"boom.{what}"] for what in ("spool", "p_a", "p_b")), *[None] * 8, NOISE, None)
+    s = Signals({what: log[f"boom.{what}"] for what in AT_VALVE}, {}, NOISE)
     noise = jets_of(MACHINE, CIRCUIT, {"boom": s}, log["segment"], {})["boom"].noise
     open_ = log["boom.spool"] > VALVE.knots[3]
     drop = log["boom.p_b"] - MACHINE.tank.return_pressure > 1e6
@@ -84,7 +83,8 @@ def test_rows_in_which_a_sensor_is_silent_have_no_jets():
     p_a[:3] = np.nan
     q_out = np.full(12, 1e-3)
     q_out[-2:] = np.nan
-    s = Signals(np.full(12, 1e-2), p_a, np.full(12, 6e6), None, None, None, q_out, *[None] * 4, NOISE, None)
+    read = {"spool": np.full(12, 1e-2), "p_a": p_a, "p_b": np.full(12, 6e6), "q_out": q_out}
+    s = Signals(read, {}, NOISE)
     found = jets_of(MACHINE, CIRCUIT, {"boom": s}, np.zeros(12), {})["boom"]
     assert np.isnan(found.strength[:3]).all()
     assert np.isfinite(found.strength[3:]).all()

@@ -1,13 +1,12 @@
 """What is said of circuits that were found by flows: every threshold from both sides."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from polydraulic import load_machine
 from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
 from polydraulic.identification.equations.free_numbers import Freedom, entries_of
+from polydraulic.identification.equations.sensors import AT_VALVE, Signals
 from polydraulic.identification.equations.ways.by_flows import _circuit_changes, _refused, _remarks
 from polydraulic.parameters.layout.parts import ValveCurves
 
@@ -71,11 +70,11 @@ def test_sensors_that_contradict_each_other_and_trades_are_told():
 def test_a_spool_leaves_its_centre_in_five_hundred_rows(rows, why):
     tenth = 0.1 * MACHINE.function("boom").valve.knots[-1]
     spool = np.where(np.arange(600) < rows, -1.001 * tenth, 0.999 * tenth)
-    here = SimpleNamespace(spool=spool, p_a=spool, p_b=spool, q_in=spool, volume_a=None)
+    here = Signals(dict.fromkeys((*AT_VALVE, "q_in"), spool), {}, {})
     assert _refused(MACHINE, BOOM, {"boom": here}, FREE) == why
     assert _refused(MACHINE, BOOM, {"boom": here}, Freedom({}, True)) == "none of its numbers is free"
-    here.q_in = None
-    assert _refused(MACHINE, BOOM, {"boom": here}, FREE) == "the log has no boom.q_in or boom.angle"
+    without = here._replace(values=dict.fromkeys(AT_VALVE, spool))
+    assert _refused(MACHINE, BOOM, {"boom": without}, FREE) == "the log has no boom.q_in or boom.angle"
 
 
 def test_what_a_log_does_not_show_of_a_circuit_is_kept_and_said():

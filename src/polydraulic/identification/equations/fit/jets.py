@@ -11,7 +11,7 @@ from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_s
 from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
 from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.pilot_fit import Jets
-from polydraulic.identification.equations.sensors import Signals, at_rows
+from polydraulic.identification.equations.sensors import AT_VALVE, Signals, at_rows, known_at_valves
 from polydraulic.machine.pump import limited_pump
 from polydraulic.parameters.layout.parts import SupplyCircuit, ValveCurves
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -40,15 +40,9 @@ def jets_of(
         Standard errors of its curves at their knots; none of those that are given.
     """
     every = [signals[name] for name in circuit.functions]
-    known = np.ones(len(segment), dtype=bool)
-    for s in every:
-        for values in (s.spool, s.p_a, s.p_b):
-            known &= False if values is None else np.isfinite(values)
+    known = known_at_valves(circuit.functions, signals, len(segment))
     of, segment = [s.at(known) for s in every], segments_of(segment, known)
-    spool, p_a, p_b = (
-        np.column_stack([values for s in of if (values := getattr(s, what)) is not None])
-        for what in ("spool", "p_a", "p_b")
-    )
+    spool, p_a, p_b = (np.column_stack([s.values[what] for s in of]) for what in AT_VALVE)
     for p in (p_a, p_b):
         for k in range(len(of)):
             p[:, k] = local_parabolas(p[:, k], segment)[0]
@@ -65,7 +59,7 @@ def jets_of(
         k_out = _outlet(v, spool[:, k], v.outlet_positive, v.outlet_negative)
         outlet, again = (
             _outlet_jet(k_out, np.maximum(p - machine.tank.return_pressure, 0.0), q, s.noise)
-            for p, q in ((p_out[:, k], s.q_out), _once_more(p_out[:, k], s, segment, rng))
+            for p, q in ((p_out[:, k], s.values.get("q_out")), _once_more(p_out[:, k], s, segment, rng))
         )
         parts = {
             "inlet": inlet[:, k],
@@ -96,7 +90,8 @@ def _once_more(
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Smoothed pressure and measured flow with as much noise again as they have."""
     noise = rng.normal(0.0, _noise_of_pressure(s.noise), len(p_out))
-    q = None if s.q_out is None else s.q_out + rng.normal(0.0, s.noise["q_out"], len(p_out))
+    q = s.values.get("q_out")
+    q = None if q is None else q + rng.normal(0.0, s.noise["q_out"], len(p_out))
     return p_out + local_parabolas(noise, segment)[0], q
 
 

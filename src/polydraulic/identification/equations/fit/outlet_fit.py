@@ -117,17 +117,11 @@ def outlet_rows(
     rates: bool,
 ) -> OutletRows:
     """Windows in which the valve is open to one side, `forward` that of positive spools; `rates` of pressures count, or are zero."""
-    assert s.spool is not None
-    assert s.p_a is not None
-    assert s.p_b is not None
-    assert s.rate_a is not None
-    assert s.rate_b is not None
-    spool = s.spool[b.rows]
+    spool, port = s.values["spool"][b.rows], "p_b" if forward else "p_a"
     side = (spool > 0.0) if forward else (spool <= 0.0)
-    p_out, rate = (s.p_b if forward else s.p_a)[b.rows], (s.rate_b if forward else s.rate_a)[b.rows]
+    p_out, rate = s.values[port][b.rows], s.rates[port][b.rows]
     travel = np.abs(spool)
     keep = b.known_out & side.all(axis=1) & (travel.max(axis=1) > 0.8 * opens)
-    noise = s.noise["p_b" if forward else "p_a"]
     return OutletRows(
         travel[keep],
         p_out[keep],
@@ -135,7 +129,7 @@ def outlet_rows(
         b.q_out[keep],
         block[b.rows[keep, 0]],
         s.noise["spool"],
-        noise,
+        s.noise[port],
         b.noise_out,
         s.scale,
     )

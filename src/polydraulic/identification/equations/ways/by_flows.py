@@ -9,7 +9,7 @@ from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFoun
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom
 from polydraulic.identification.equations.identified_file import Identified
-from polydraulic.identification.equations.sensors import Signals, missing_for_circuit
+from polydraulic.identification.equations.sensors import Signals, known_at_valves, missing_for_circuit
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.plausible import contradictions
 from polydraulic.parameters.layout.parts import Seen, SupplyCircuit
@@ -48,7 +48,7 @@ def find_circuits(
     refused = refused_circuits(machine, signals, may, len(time))
     so_far.lacks |= {f"circuits.{name}": why for name, why in refused.items()}
     for place, circuit in enumerate(c for c in machine.circuits if c.name not in refused):
-        rows = _known_rows(circuit, signals, len(time))
+        rows = known_at_valves(circuit.functions, signals, len(time))
         own = {name: signals[name].at(rows) for name in circuit.functions}
         kept_as = f"{circuit.name}-{turn}" if turn else circuit.name
         known = finished.circuit(kept_as)
@@ -73,22 +73,11 @@ def refused_circuits(machine: LayoutMachine, signals: dict[str, Signals], may: F
     """Why circuits are not identified from flows, by name; those that are have no entry."""
     found = {}
     for circuit in machine.circuits:
-        rows = _known_rows(circuit, signals, n_row)
+        rows = known_at_valves(circuit.functions, signals, n_row)
         why = _refused(machine, circuit, {name: signals[name].at(rows) for name in circuit.functions}, may)
         if why:
             found[circuit.name] = why
     return found
-
-
-def _known_rows(circuit: SupplyCircuit, signals: dict[str, Signals], n_row: int) -> np.ndarray:
-    """Rows in which spools and pressures of all functions of a circuit have a value, as far as they have sensors, (n_row,) of bool."""
-    known = np.ones(n_row, dtype=bool)
-    for name in circuit.functions:
-        s = signals[name]
-        for values in (s.spool, s.p_a, s.p_b):
-            if values is not None:
-                known &= ~np.isnan(values)
-    return known
 
 
 def _refused(machine: LayoutMachine, circuit: SupplyCircuit, signals: dict[str, Signals], may: Freedom) -> str:
@@ -102,12 +91,11 @@ def _refused(machine: LayoutMachine, circuit: SupplyCircuit, signals: dict[str, 
     missing = missing_for_circuit(machine, circuit.functions, signals)
     if missing:
         return missing
-    n_row = min(len(s.spool) for s in signals.values() if s.spool is not None)
+    n_row = len(signals[circuit.functions[0]].values["spool"])
     if n_row < LEAST_ROWS:
         return f"spools and pressures of all its functions have a value together in {n_row} rows; {LEAST_ROWS} at least"
     for name in circuit.functions:
-        spool, opens = signals[name].spool, machine.function(name).valve
-        assert spool is not None
+        spool, opens = signals[name].values["spool"], machine.function(name).valve
         if np.count_nonzero(np.abs(spool) > 0.1 * opens.knots[-1]) < LEAST_ROWS:
             return f"the spool of {name} hardly ever leaves its centre"
     return ""

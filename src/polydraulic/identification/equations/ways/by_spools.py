@@ -11,7 +11,7 @@ from polydraulic.identification.equations.fit.jets import Jets, jets_of
 from polydraulic.identification.equations.free_numbers import EFFECTS, Freedom
 from polydraulic.identification.equations.identified_file import Identified
 from polydraulic.identification.equations.pilot_fit import PilotFit, SpoolEffects, fit_pilot, told_dead_time
-from polydraulic.identification.equations.sensors import Signals, smoothed_by, spool_log
+from polydraulic.identification.equations.sensors import Signals, missing_at_valves, smoothed_by, spool_log
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.machine.play import prepare_shift
 from polydraulic.parameters.layout.parts import FlowForce, MachineFunction
@@ -161,12 +161,7 @@ def lacking_for_jets(machine: LayoutMachine, function: str, signals: dict[str, S
         return (
             f"circuits.{circuit.name} is of the kind {circuit.kind!r}; jets are known in circuits of valves in series"
         )
-    lacks = [
-        f"{name}.{what}"
-        for name in circuit.functions
-        for what in ("spool", "p_a", "p_b")
-        if getattr(signals[name], what) is None
-    ]
+    lacks = missing_at_valves(circuit.functions, signals)
     return f"the log has no {', '.join(lacks)}" if lacks else ""
 
 
