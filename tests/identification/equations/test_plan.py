@@ -36,6 +36,15 @@ def test_a_sensor_gives_what_was_promised(plan):
     assert (promised < plan.unsure).all()
 
 
+def test_a_log_of_all_sensors_is_planned_for_with_motions_of_one_function(plan):
+    all_read = plan_identification(read_by(".spool", ".p_a", ".p_b", ".q_in", ".q_out"), NAME, free=FREE)
+    motions = [c.name for c in plan.candidates if c.is_motion]
+    assert "lift alone, full stroke" in motions
+    assert [c.name for c in all_read.candidates if c.is_motion] == motions
+    assert [c.name for c in all_read.candidates if not c.is_motion] == ["work.p_pump"]
+    assert (all_read.unsure < plan.unsure).all()
+
+
 def test_more_of_anything_never_leaves_more_unsure(plan):
     assert plan.paths == tuple(FREE)
     assert ((plan.unsure > 0.0) & (plan.unsure <= 1.0)).all()

@@ -1,6 +1,7 @@
 """Which further sensor or motion would narrow which number most: the information that each would add to a log's, before it is recorded."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -203,11 +204,13 @@ def plan_identification(
 
 
 def _motions(machine: LayoutMachine) -> dict[str, Scenario]:
-    """Operators who could be asked to work."""
+    """Operators who could be asked to work; levers that one leaves alone are at rest, which locks no joint and leaves all sensors their readings."""
     limit, names = full_stroke(machine), machine.names
     whole = random_operator(_SEED, _MOTION, limit=limit, functions=names)
     alone = {
-        f"{name} alone, full stroke": random_operator(_SEED, _MOTION, links=[name], limit=limit, functions=names)
+        f"{name} alone, full stroke": replace(
+            random_operator(_SEED, _MOTION, links=[name], limit=limit, functions=names), locked=()
+        )
         for name in names
     }
     return {"all functions, full stroke": whole, **(alone if len(names) > 1 else {})}
