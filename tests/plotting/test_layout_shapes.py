@@ -3,8 +3,9 @@ import pytest
 
 from helpers.made_runs import point_at, small_crane, spread
 from polydraulic import load_machine
+from polydraulic.parameters.load import machine_names
 from polydraulic.plotting.carrier import CAB, GLASS
-from polydraulic.plotting.drawing import OF_RUN, motion_of, places, seen
+from polydraulic.plotting.drawing import OF_RUN, PLANE, motion_of, places, seen
 from polydraulic.plotting.layout_shapes import layout_drawing
 
 
@@ -70,7 +71,7 @@ def test_everything_follows_the_machines_size(scale):
     def larger(point):
         return {c: scale * value for c, value in point.items()}
 
-    crane = small_crane()
+    crane = small_crane()._replace(chassis=None)
     links = tuple(link._replace(at=larger(link.at), cg=larger(link.cg)) for link in crane.links)
     lift = crane.functions[1]
     lift = lift._replace(pins=lift.pins._replace(base=larger(lift.pins.base), rod=larger(lift.pins.rod)))
@@ -125,3 +126,12 @@ def test_the_cab_is_on_the_left():
     (glass,) = [body.across for body in bodies if body.fill == GLASS and "side" in body.views]
     assert cab[0][0] > 0.0
     assert glass[0][0] < cab[0][0] < cab[0][1] < glass[0][1]
+
+
+@pytest.mark.parametrize("name", machine_names())
+def test_the_ground_is_where_the_file_says_that_the_machine_stands(name):
+    machine = load_machine(name)
+    drawn = layout_drawing(machine)
+    assert drawn.ground == min(z for _, _, z in machine.chassis.corners)
+    still = [spot.at[2] for body in drawn.bodies for spot in body.spots if spot.link == PLANE and "side" in body.views]
+    assert min(still) == pytest.approx(drawn.ground)  # tracks, or the block, go down to it

@@ -54,12 +54,22 @@ def test_all_that_a_machine_stands_on_is_in_the_picture():
 
 
 @pytest.mark.parametrize("units", ["metric", "field"])
-def test_names_do_not_cover_each_other(units):
-    for machine in (load_machine("cat215b_bucket"), small_crane(), load_machine("cat215b")):
-        figure = draw_machine(machine, units=units)
-        boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+def test_names_and_the_lines_to_them_do_not_cover_names(units):
+    for machine in (*(load_machine(name) for name in machine_names()), small_crane()):
+        axis = draw_machine(machine, units=units).axes[0]
+        boxes = [text.get_window_extent() for text in axis.texts]
         assert len(boxes) > 8
         assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+        leading = [axis.transData.transform(line.get_xydata()) for line in axis.lines if line.get_linewidth() == 0.6]
+        assert leading  # from pins in a crowd, at least
+        for point, end in leading:
+            along = point + np.linspace(0.0, 0.97, 60)[:, None] * (end - point)  # its end touches its own name
+            assert not any(box.contains(*spot) for box in boxes for spot in along)
+
+
+def test_a_tall_picture_is_as_tall_as_the_machine_asks_for():
+    heights = {name: draw_machine(name).get_size_inches()[1] for name in ("wheel_loader", "loader_crane")}
+    assert 7.5 < heights["wheel_loader"] < heights["loader_crane"] < 11.0
 
 
 def test_axes_tell_lengths_in_the_units_asked_for():

@@ -9,7 +9,7 @@ from polydraulic.parameters.layout.parts import GROUND
 from polydraulic.plotting.drawing import PLANE, Outline, Spot
 
 INK, UPPER, CAB, GLASS, TRACK = "#34495e", "#e3e6ea", "#f4f6f8", "#d5e6f3", "#c9ced6"
-DEPTH = 1.65  # of the ground below the boom foot, at the scale 1
+DEPTH = 1.65  # of the ground below the boom foot, at the scale 1, where no file says where a machine stands
 Point3 = Sequence[float] | np.ndarray
 _REACH = 8.9  # m, of an excavator at the scale 1
 
@@ -19,7 +19,9 @@ def scale_of(reach: float) -> float:
     return reach / _REACH
 
 
-def excavator_bodies(upper: str, axis: Point3, foot: Point3, scale: float, lowest: float = 0.0) -> tuple[Outline, ...]:
+def excavator_bodies(
+    upper: str, axis: Point3, foot: Point3, scale: float, lowest: float = 0.0, depth: float | None = None
+) -> tuple[Outline, ...]:
     """Tracks, upper structure and cab.
 
     Parameters
@@ -34,9 +36,12 @@ def excavator_bodies(upper: str, axis: Point3, foot: Point3, scale: float, lowes
         1 for a machine of 18 t.
     lowest : float, m
         Height of the lowest pin on the upper structure, from the boom's foot.
+    depth : float, m, optional
+        Of the ground below the boom's foot; in proportion if not given.
     """
     ahead, s = foot[0] + 0.55 * scale, scale
-    bottom = min(-0.72 * s, lowest - 0.05 * s)
+    k = 1.0 if depth is None else depth / (DEPTH * s)  # what is below the foot is as tall as the ground lets it be
+    bottom = min(-0.72 * k * s, lowest - 0.05 * s)
 
     def still(corners: Sequence[tuple[float, float]]) -> tuple[Spot, ...]:
         return tuple(Spot(PLANE, (s * x, 0.0, axis[2] + foot[2] + s * z)) for x, z in corners)
@@ -51,7 +56,8 @@ def excavator_bodies(upper: str, axis: Point3, foot: Point3, scale: float, lowes
     def scaled(*corners: tuple[float, float]) -> list[tuple[float, float]]:
         return [(s * x, s * y) for x, y in corners]
 
-    track = [(-1.75, -1.65), (-2.05, -1.35), (-1.85, -0.87), (1.85, -0.87), (2.05, -1.35), (1.75, -1.65)]
+    sole, wheel, upmost = -DEPTH * k, -1.35 * k, -0.87 * k
+    track = [(-1.75, sole), (-2.05, wheel), (-1.85, upmost), (1.85, upmost), (2.05, wheel), (1.75, sole)]
     body = scaled((-2.72, -0.1), (-2.6, 0.42), (-1.3, 0.5), (-0.35, 0.5), (0.3, 0.3))
     front = [(ahead - 0.25 * s, 0.14 * s), (ahead, -0.3 * s), (ahead, bottom)]
     hood = scaled((-2.55, -1.25), (-2.72, -0.7), (-2.72, 0.7), (-2.55, 1.25))
@@ -59,7 +65,7 @@ def excavator_bodies(upper: str, axis: Point3, foot: Point3, scale: float, lowes
     cab, panes = scaled((0.45, 1.2)), scaled((0.43, 1.22))
     return (
         _body(still(track), TRACK, across=tracks),
-        _body(still([(-0.2, -0.87), (0.2, -0.87), (0.2, bottom / s), (-0.2, bottom / s)]), INK, across=middle),
+        _body(still([(-0.2, upmost), (0.2, upmost), (0.2, bottom / s), (-0.2, bottom / s)]), INK, across=middle),
         _body(turning([(-2.6 * s, bottom), *body, *front]), UPPER, across=whole),
         _body(turning(scaled((-0.42, -0.3), (-0.42, 1.3), (0.42, 1.3), (0.78, 0.35), (0.78, -0.3))), CAB, across=cab),
         _body(

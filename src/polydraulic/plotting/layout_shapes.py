@@ -225,7 +225,8 @@ def _cylinder_length(f: MachineFunction, link: LinkParameters, joint: float) -> 
 def _standing(
     machine: LayoutMachine, bones: dict[str, _Bones], reach: float, slews: bool
 ) -> tuple[tuple[Outline, ...], float]:
-    """What the arm stands on, and the height of the ground."""
+    """What the arm stands on, and the height of the ground: that of the chassis' contacts, where the file has any."""
+    stands = None if machine.chassis is None else min(corner[2] for corner in machine.chassis.corners)
     first, *others = (machine.link(f.moves) for f in machine.functions)
     feet = [vector(link.at) for link in machine.links if link.parent == first.name and link.joint == "revolute"]
     if (
@@ -233,11 +234,13 @@ def _standing(
     ):  # it holds a counterweight, unlike a crane's column
         axis, foot, scale = vector(first.at), feet[0], scale_of(reach)
         lowest = min((float(pin[2] - foot[2]) for pin in bones[first.name].pins), default=0.0)
-        return excavator_bodies(first.name, axis, foot, scale, lowest), float(axis[2] + foot[2] - DEPTH * scale)
+        height = float(axis[2] + foot[2])
+        depth = DEPTH * scale if stands is None or stands >= height else height - stands
+        return excavator_bodies(first.name, axis, foot, scale, lowest, depth), height - depth
     fixed = [vector(link.at) for link in machine.links if link.parent == GROUND]
     fixed += [np.array(spot.at) for _, spot in _pins(machine) if spot.link == GROUND]
     low, high = np.min(fixed, axis=0), np.max(fixed, axis=0)
-    ground = min(0.0, float(low[2]) - 0.1 * reach)
+    ground = min(0.0, float(low[2]) - 0.1 * reach) if stands is None else stands
     room = reach * np.array([0.1, 0.1, 0.0])
     behind, axis = (room, vector(first.at)) if slews else (3.5 * room, np.zeros(3))
     return block((float(low[0] - behind[0]), float(low[1] - room[1]), ground), high + room, axis), ground

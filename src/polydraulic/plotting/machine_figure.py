@@ -35,8 +35,14 @@ if TYPE_CHECKING:
 
 _VIEWS: tuple[View, View] = ("side", "top")
 _STANCE = "#1b7f5c"
+_WIDE, _TALL, _FROM_ABOVE = (
+    8.68,
+    (6.3, 9.5),
+    4.03,
+)  # in: width of the side view, ends of its height, height of the view from above
+_ABOVE, _BELOW = 0.61, 0.68  # in, of titles and of axes
 _STANDING = "Triangles: where the chassis stands; cross: its centre of gravity."
-_NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are only illustrative."
+_NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines and body are only illustrative."
 
 
 def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -> "Figure":
@@ -66,11 +72,23 @@ def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -
     drawing = layout_drawing(machine)
     motion = motion_of(drawing, np.array([drawing.initial]))
     reached = tip_places(drawing)
-    figure = Figure(figsize=(14.0, 7.6), dpi=100)
-    side, top = figure.add_axes((0.055, 0.09, 0.62, 0.83)), figure.add_axes((0.735, 0.39, 0.255, 0.53))
     stands = {view: _stance(machine.chassis, motion, view) for view in _VIEWS}
-    fill_place(side, *_limits(drawing, motion, "side", np.vstack([reached, stands["side"]])))
-    fill_place(top, *_limits(drawing, motion, "top", stands["top"]))
+    others = {"side": np.vstack([reached, stands["side"]]), "top": stands["top"]}
+    limits = {view: _limits(drawing, motion, view, others[view]) for view in _VIEWS}
+    width, height = limits["side"][1] - limits["side"][0]
+    tall = float(
+        np.clip(_WIDE * height / width, *_TALL)
+    )  # in, as the machine is: what is drawn larger has room for names
+    figure = Figure(figsize=(14.0, tall + _ABOVE + _BELOW), dpi=100)
+
+    def up(inches: float) -> float:
+        """From a distance to the upper edge, in, to a share of the figure's height."""
+        return 1.0 - inches / (tall + _ABOVE + _BELOW)
+
+    side = figure.add_axes((0.055, up(_ABOVE + tall), _WIDE / 14.0, tall / (tall + _ABOVE + _BELOW)))
+    top = figure.add_axes((0.735, up(_ABOVE + _FROM_ABOVE), 0.255, _FROM_ABOVE / (tall + _ABOVE + _BELOW)))
+    fill_place(side, *limits["side"])
+    fill_place(top, *limits["top"])
     x, y, area = tip_area(reached)
     side.contourf(x, y, area, levels=[0.5, 2.0], colors=["#f6c98f"], alpha=0.35, zorder=0.5)
     for axis, view in zip((side, top), _VIEWS, strict=True):
@@ -78,12 +96,18 @@ def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -
         if machine.chassis is not None:
             _support(axis, view, stands[view])
     _name(side, drawing, motion, units)
-    figure.text(0.02, 0.955, title, fontweight="bold", fontsize=12)
-    figure.text(0.02, 0.018, _NOTE if machine.chassis is None else f"{_NOTE} {_STANDING}", fontsize=8.5, color="0.4")
+    figure.text(0.02, up(0.34), title, fontweight="bold", fontsize=12)
+    figure.text(
+        0.02,
+        0.14 / (tall + _ABOVE + _BELOW),
+        _NOTE if machine.chassis is None else f"{_NOTE} {_STANDING}",
+        fontsize=8.5,
+        color="0.4",
+    )
     indent = 0.012 + 0.0062 * max(len(name) for name in drawing.names)
     ranges = []
     for place, (name, text) in enumerate(_ranges(drawing, units)):
-        row = 0.295 - 0.024 * place
+        row = up(_ABOVE + _FROM_ABOVE + 0.72 + 0.182 * place)
         figure.text(0.715, row, name, fontsize=8.5, fontweight="bold", color=FIRST_EDGE)
         ranges.append(figure.text(0.715 + indent, row, text, fontsize=8.5))
     left = 0.715 + indent
@@ -116,7 +140,7 @@ def _still(axis: "Axes", drawing: Drawing, view: View, motion: DrawnMotion, unit
 def _limits(drawing: Drawing, motion: DrawnMotion, view: View, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ends of a view of the machine that has other places in it, too, of shape (n, 2)."""
     low, high = view_limits(drawing, [motion], view)
-    margin = 0.02 * (high - low).max()
+    margin = 0.04 * (high - low).max()
     ends = others.min(axis=0, initial=np.inf) - margin, others.max(axis=0, initial=-np.inf) + margin
     return np.minimum(low, ends[0]), np.maximum(high, ends[1])
 
@@ -167,10 +191,11 @@ def _name(axis: "Axes", drawing: Drawing, motion: DrawnMotion, units: str) -> No
         unit = "m" if drawing.links[stop.joint].joint == "prismatic" else "rad"
         if stop.view == "side":
             for value, tick in zip((stop.low, stop.high), stop.ticks, strict=True):
-                ends.append(
-                    Label(amount(value, unit, units), shown(tick[1]), {"fontsize": 7.0, "color": "0.45"}, line=False)
-                )
-    place_labels(axis, [*pins, *ends, *links], outlines)
+                ends.append(Label(amount(value, unit, units), shown(tick[1]), {"fontsize": 7.0, "color": "0.45"}))
+    lines = [np.array([shown(ram.base), shown(ram.rod)]) for ram in drawing.rams]
+    for stop in (stop for stop in drawing.stops if stop.view == "side"):
+        lines += [np.array([shown(spot) for spot in line]) for line in (stop.path, *stop.ticks)]
+    place_labels(axis, [*pins, *ends, *links], outlines, lines)
 
 
 def _ranges(drawing: Drawing, units: str) -> list[tuple[str, str]]:
