@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from helpers.machine_log import changed, machine_log
-from polydraulic.identification.doubts.levers import Votes, lever_doubts, votes_of
+from polydraulic.identification.doubts.levers import Votes, lever_doubts, lever_votes, votes_of
 from polydraulic.tables import Table
 
 PLACE = "boom.angle"
@@ -19,7 +19,7 @@ def bare(log, *parts):
 
 
 def doubts(machine, table):
-    return list(lever_doubts(machine, table))
+    return list(lever_doubts(machine, table, lever_votes(machine, table)))
 
 
 @pytest.mark.parametrize("every", [1, 5, 25, 50])

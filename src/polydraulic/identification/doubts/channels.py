@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.identification.doubts.levers import lever_doubts
-from polydraulic.identification.doubts.pressures import pressure_doubts
+from polydraulic.identification.doubts.levers import lever_doubts, lever_votes
+from polydraulic.identification.doubts.torques import beyond_relief, torque_doubts
 from polydraulic.identification.plausible import position_column
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
@@ -45,8 +45,12 @@ def channel_doubts(machine: LayoutMachine, table: Table) -> list[ChannelDoubt]:
     """
     if len(table) < 3 or not np.all(np.diff(table["time"]) > 0.0):
         return []
-    found = list(lever_doubts(machine, table))
-    places = {position_column(machine, f) for f in machine.functions}
-    if not any(places.intersection(columns) for columns, _ in found):  # torques need positions that are right
-        found += pressure_doubts(machine, table)
+    votes = lever_votes(machine, table)
+    found = list(lever_doubts(machine, table, votes))
+    places = {f.name: position_column(machine, f) for f in machine.functions}
+    if not any(
+        set(places.values()).intersection(columns) for columns, _ in found
+    ):  # torques need positions that are right
+        right = [places[name] for name, of in votes.items() if any(v.sure and not v.turned for v in of.values())]
+        found += list(beyond_relief(machine, table)) or torque_doubts(machine, table, right).named
     return [ChannelDoubt(*doubt) for doubt in found]

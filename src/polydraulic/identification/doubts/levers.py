@@ -5,7 +5,7 @@ pilot and line take, each move of the joint is a vote: for the lever, or against
 one move in eight is against, when others' moves and weights push a joint; of a lever that has nothing to do with a joint about half are.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -79,11 +79,15 @@ class Votes(NamedTuple):
         return self.moves >= _FEW and not 1.0 - _AGAINST < self.share < _AGAINST
 
 
-def lever_doubts(machine: LayoutMachine, table: Table) -> Iterator[Doubt]:
-    """Levers and spools whose joints go another way."""
+def lever_votes(machine: LayoutMachine, table: Table) -> dict[str, dict[str, Votes]]:
+    """By function, how its joint votes on its own voltage and spool, where the log has them and they tell something."""
+    return {f.name: _ordered(machine, f, table) for f in machine.functions}
+
+
+def lever_doubts(machine: LayoutMachine, table: Table, found: Mapping[str, Mapping[str, Votes]]) -> Iterator[Doubt]:
+    """Levers and spools whose joints go another way, by their `lever_votes`."""
     for f in machine.functions:
         yield from _spool_off(f, table)
-    found = {f.name: _ordered(machine, f, table) for f in machine.functions}
     astray: list[str] = []
     for f in machine.functions:
         of = found[f.name]
@@ -186,7 +190,7 @@ def votes_of(machine: LayoutMachine, table: Table, lever: MachineFunction, what:
 
 
 def _ordered(machine: LayoutMachine, f: MachineFunction, table: Table) -> dict[str, Votes]:
-    """Votes of a function's own voltage and spool, where the log has them and they tell something."""
+    """Votes on a function's own voltage and spool."""
     if position_column(machine, f) not in table.names:
         return {}
     there = [what for what in ("voltage", "spool") if f"{f.name}.{what}" in table.names]
@@ -194,7 +198,7 @@ def _ordered(machine: LayoutMachine, f: MachineFunction, table: Table) -> dict[s
 
 
 def _exchanged(
-    machine: LayoutMachine, table: Table, astray: list[str], found: dict[str, dict[str, Votes]]
+    machine: LayoutMachine, table: Table, astray: list[str], found: Mapping[str, Mapping[str, Votes]]
 ) -> Iterator[Doubt]:
     """Of joints that do not follow: which lever they do follow, or that they follow none."""
     for name in astray:

@@ -125,3 +125,16 @@ def test_ten_minutes_of_an_operator(name):
     assert len(errors) >= 8
     assert max(abs(np.mean(of)) for of in errors.values()) < 0.05
     assert np.mean(inside) > 0.8
+
+
+def test_a_log_whose_torques_do_not_go_with_its_motion_is_refused_and_the_mistake_named():
+    machine = load_machine("cat215b")
+    log = motion_log(machine, seconds=20.0, noise=1.0)
+    fit_mechanics(log, machine)
+    for wrong, said in (
+        ({"boom.p_a": log["boom.p_b"], "boom.p_b": log["boom.p_a"]}, "fit it with the two exchanged: exchange them"),
+        ({"boom.angle": -log["boom.angle"]}, "fit it with the sign of boom.angle turned"),
+        ({"boom.p_a": 0.1 * log["boom.p_a"], "boom.p_b": 0.1 * log["boom.p_b"]}, "with boom.p_a and boom.p_b times 10"),
+    ):
+        with pytest.raises(InputError, match=said):
+            fit_mechanics(Table(log.columns | wrong, log.units), machine)

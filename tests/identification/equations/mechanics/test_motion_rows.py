@@ -59,6 +59,15 @@ def test_each_equation_has_the_rows_of_its_own_weight_at_the_same_instants():
         assert np.array_equal(apart.known[ours, k], other.known[theirs, k])
 
 
+def test_rows_of_which_no_two_follow_each_other_are_refused():
+    machine = load_machine("cat215b")
+    log = motion_log(machine, seconds=2.0)
+    pieces = measured_pieces(machine, Table(log.columns | {"segment": np.arange(len(log)) // 2}, log.units))
+    single = [piece._replace(**{name: v[:1] for name, v in piece._asdict().items()}) for piece in pieces]
+    with pytest.raises(InputError, match="no two rows of the log with positions and pressures of all functions follow"):
+        motion_rows(machine, inertial_numbers(machine), single, np.full(3, WIDTH))
+
+
 def test_friction_of_a_run_acts_half_a_step_late():
     machine, step = load_machine("cat215b_bucket"), 5e-3
     run = simulate(machine, "exact", random_operator(12, 60.0, functions=machine.names), dt=step, every=4)

@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
+from polydraulic.identification.doubts.torques import check_torques
 from polydraulic.identification.equations.mechanics.base_parameters import BaseParameters, base_parameters
 from polydraulic.identification.equations.mechanics.inertia import inertial_values
 from polydraulic.identification.equations.mechanics.motion_rows import (
@@ -22,7 +23,6 @@ from polydraulic.identification.equations.mechanics.motion_rows import (
     motion_rows,
 )
 from polydraulic.identification.equations.mechanics.noise_bias import noise_pull
-from polydraulic.identification.equations.mechanics.torque_check import check_torques
 from polydraulic.identification.equations.mechanics.weight_widths import weight_widths
 from polydraulic.identification.equations.numbers.estimates import (
     Estimates,
@@ -141,7 +141,7 @@ def fit_mechanics(
     ------
     InputError
         Missing columns, a step that is negative or not finite, friction that holds or play (which the linear equations do not have), no piece that is
-        long enough, joints that never move steadily, torques of the oil that do not go with motion (`torque_check`).
+        long enough, joints that never move steadily, torques of the oil that do not go with motion.
     """
     if not 0.0 <= step < np.inf:
         raise InputError(f"step = {step!r} s: must be none or positive, and finite, for example 0.005")
@@ -162,6 +162,7 @@ def fit_mechanics(
             f"{source}: no column {missing[0]!r}; masses are identified from positions and both pressures of every function"
         )
     in_si(table, {column.name: column.unit for column in columns_of(machine).columns} | {"time": "s"})
+    check_torques(machine, table)
     numbers = unbounded(machine, mechanical_spreads(machine) if spreads is None else spreads)
     base = base_parameters(machine)
     pieces = measured_pieces(machine, table)
@@ -175,8 +176,6 @@ def fit_mechanics(
         raise InputError(
             f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least"
         )
-    own = [getattr(f.friction, name) for f in machine.functions for name in FRICTION]
-    check_torques(machine, pieces, rows_of, rows, np.concatenate([inertial_values(machine, base.numbers), own, [0.0]]))
     told = _told(rows)
     pull = noise_pull(rows_of, pieces, told.weight, told.solution)
     return _nearest(

@@ -74,11 +74,16 @@ def motion_rows(
     Raises
     ------
     InputError
-        If no piece is long enough.
+        If no piece is long enough, or has two rows.
     """
+    pieces = [piece for piece in pieces if len(piece.time) > 1]
+    if not pieces:
+        raise InputError(
+            "no two rows of the log with positions and pressures of all functions follow each other; the mechanics cannot be identified from it"
+        )
     made = [rows for piece in pieces for rows in [_of_piece(machine, numbers, piece, widths, step)] if rows is not None]
     if not made:
-        raster = min(_raster_of(piece) for piece in pieces)
+        raster = min(map(_raster_of, pieces))
         longest = len(_modulating(float(np.max(widths)), raster)[0])
         least = (_least_rows(len(_filter(raster)[0]), longest) - 1) * raster
         raise InputError(
@@ -118,8 +123,8 @@ def _of_piece(
 
 
 def _raster_of(piece: Piece) -> float:
-    """Time between rows, s; infinite for a single one."""
-    return float(np.median(np.diff(piece.time))) if len(piece.time) > 1 else np.inf
+    """Time between rows of a piece of two at least, s."""
+    return float(np.median(np.diff(piece.time)))
 
 
 def _least_rows(smooth: int, weight: int) -> int:
