@@ -10,6 +10,7 @@ from polydraulic.identification.arguments import (
     parts_of,
     table_of,
     times_of_parts,
+    unused_in_words,
     whole_rows,
 )
 
@@ -202,3 +203,23 @@ def test_whole_rows_of_several_tables_still_know_which_these_were():
     assert (first.begins, first.shift) == (0.0, 0.0)
     assert third.begins == third.shift == rows["time"][2]
     assert whole_rows(joined, ["time"]).info == joined.info
+
+
+def test_rows_that_are_left_out_are_counted_by_what_they_lack(tmp_path):
+    nan = np.nan
+    silent = Table(
+        {"time": np.arange(4.0), "a": np.array([1.0, nan, nan, 4.0]), "b": np.array([nan, 1.0, nan, 1.0])}, {}
+    )
+    write_table(silent.partial(), tmp_path / "a.parquet")
+    for given in (silent.partial(), tmp_path / "a.parquet"):
+        table, _ = table_of(given)
+        words = "3 of 4 rows are not used, since columns that are read have no value there: a in 2, b in 2"
+        assert unused_in_words(table) == words
+        assert unused_in_words(table_of(table)[0]) == ""  # nothing more is left out of it
+        assert unused_in_words(table_of(given, ["a"], ["time"])[0]).startswith("2 of 4 rows are not used")
+        assert unused_in_words(table_of(given, ["time"])[0]) == ""
+        assert unused_in_words(table_of(given, partial=True)[0]) == ""
+    whole = Table({"time": np.arange(9.0, 12.0), "a": np.ones(3), "b": np.ones(3)}, {})
+    both, _ = table_of([silent.partial(), whole, Table(silent.columns | {"a": np.full(4, 2.0)}, {}).partial()])
+    assert unused_in_words(both).startswith("5 of 11 rows are not used")
+    assert unused_in_words(both).endswith("there: a in 2, b in 4")

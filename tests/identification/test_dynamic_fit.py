@@ -12,8 +12,9 @@ from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
 from polydraulic.identification import Errors, RunErrors, check_models, fit_dynamic, write_card
 from polydraulic.identification.dynamic_fit import LAST, LINEAR, _held_out, statements
-from polydraulic.identification.runs import run_on
+from polydraulic.identification.runs import run_models, run_on
 from polydraulic.identification.validity import run_validity
+from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.tables import Table
 
 ONE = AbductiveRegressor(max_layers=1)
@@ -294,3 +295,35 @@ def test_a_model_is_judged_by_several_logs(found):
     here, there = (check_models(found.models, data=data) for data in (apart, segments))
     assert str(here) == str(there)
     assert here.found[0].statements[0].startswith("22 free run(s) of up to 21 rows")
+
+
+def silent_at_times(every):
+    """The log, whose sensor `y` has no value in one of so many rows."""
+    columns = {name: values.copy() for name, values in LOG.columns.items()}
+    columns["y"][::every] = np.nan
+    return Table(columns, LOG.units).partial()
+
+
+def test_rows_that_are_not_used_or_only_read_are_counted(found):
+    assert found.doubts == []
+    fit = fit_dynamic(silent_at_times(20), ["u"], ["y"], estimator=ONE, longest_lag=2)
+    unused, *others = fit.doubts
+    assert unused == "22 of 440 rows are not used, since columns that are read have no value there: y in 22"
+    first = max(dynamics_of(model).warm_up for model in fit.models)
+    only = (
+        f"{22 * first} of 418 rows are read and teach nothing: the first {first} of each of 22 pieces without a gap, "
+    )
+    assert [doubt.startswith(only) for doubt in others] == [True] * (first > 1)
+    assert f"warning: {unused}" in str(fit)
+    here = check_models(fit.models, data=silent_at_times(20))
+    assert str(here).startswith(f"note: {unused}\n")
+    assert run_models(fit.models, silent_at_times(20)).text().startswith(f"warning: {unused}\n")
+
+
+def test_a_run_needs_no_value_of_what_its_models_do_not_read(found):
+    fit = fit_dynamic(LOG, ["u"], ["y"], estimator=ONE, longest_lag=1)
+    whole = run_models(fit.models, LOG)
+    columns = LOG.columns | {"z": np.where(np.arange(len(LOG)) % 3, LOG["z"], np.nan)}
+    run = run_models(fit.models, Table(columns, LOG.units).partial())
+    assert np.array_equal(run.runs[0].free, whole.runs[0].free)
+    assert run.text() == whole.text()

@@ -301,3 +301,15 @@ def test_a_run_that_diverges_drifts_without_bound(machine):
     assert drift_rows([Drift("boom", "rad", 0.01, 0.02, 0.5)], "si") == [
         ["boom", "0.0100 rad", "0.0200 rad", "0.5000 rad"]
     ]
+
+
+def test_rows_that_are_not_used_or_in_no_window_are_counted(machine, log, found):
+    assert found.doubts == ()
+    columns = {name: values.copy() for name, values in log.columns.items()}
+    columns["boom.p_a"][100:400] = np.nan  # of 1001 rows, 20 ms apart
+    windows = replay(Table(columns, log.units).partial(), machine, FLOW, seconds=5.0)
+    assert len(windows.windows) == 2
+    unused, between = windows.doubts
+    assert unused == "300 of 1001 rows are not used, since columns that are read have no value there: boom.p_a in 300"
+    assert between.startswith("201 of 701 rows are in no window: they lie in pieces without a gap, or at ends of these")
+    assert f"warning: {between}" in str(windows)

@@ -177,3 +177,20 @@ def test_pressures_come_to_one_bar_and_each_to_a_tenth_of_it(excavator, columns,
 @pytest.mark.parametrize(("left", "named"), [(0.2, False), (0.201, True)])
 def test_a_fifth_of_the_pumps_flow_is_the_most_that_is_left_of_a_flow(left, named):
     assert bool(contradictions("boom", left * 2.0, 2.0)) == named
+
+
+def test_an_angle_that_begins_anew_after_a_turn_is_named_with_its_place(excavator):
+    time, swing = 0.02 * np.arange(100), np.linspace(5.0, 8.0, 100)
+    table = Table({"time": time, "swing.angle": swing}, {})
+    check_plausible(excavator, table)
+    anew = np.where(swing > 2.0 * np.pi, swing - 2.0 * np.pi, swing)
+    words = (
+        r"'swing.angle' goes from 6.273 to 0.01984 rad at 0.86 s, .* in 1 row.s.: an angle must go on past a full turn"
+    )
+    with pytest.raises(InputError, match=words):
+        check_plausible(excavator, Table(table.columns | {"swing.angle": anew}, {}))
+    later = np.where(swing > 2.0 * np.pi, time + 5.0, time)  # nobody knows what a gap hides
+    check_plausible(excavator, Table({"time": later, "swing.angle": anew}, {}))
+    silent = np.where(np.abs(swing - 2.0 * np.pi) < 0.1, np.nan, anew)
+    check_plausible(excavator, Table({"time": time, "swing.angle": silent}, {}).partial())
+    check_plausible(excavator, Table({"swing.angle": anew}, {}))

@@ -19,6 +19,7 @@ from polydraulic.measure.channels import channel_map
 from polydraulic.measure.columns_made import RateChannel
 from polydraulic.measure.findings import KINDS, Findings
 from polydraulic.measure.importing import _check_windows, _copies
+from polydraulic.tables import read_table
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -256,7 +257,7 @@ def test_a_log_is_not_replaced_by_its_table(tmp_path, monkeypatch):
 
 
 def test_every_kind_of_finding_is_seeded():
-    elsewhere = {"missing line", "duplicate", "unit", "atmosphere", "no rows"}
+    elsewhere = {"missing line", "duplicate", "unit", "atmosphere", "no rows", "turns"}
     elsewhere |= {
         kind for *_, came in (*cases(), *group_cases()) if not isinstance(came, str) for kind in came
     }  # files of a log reader
@@ -272,6 +273,22 @@ def test_a_held_channel_that_is_written_only_when_it_changes_is_no_fault(tmp_pat
     found = imported(tmp_path, columns, changed, units={**UNITS, "lever": ""})
     assert [str(f) for f in found.findings] == []
     assert np.array_equal(found.excerpt["lever"], level[:3999])
+
+
+@pytest.mark.parametrize("between", ["linear", "hold"])
+def test_an_angle_goes_on_past_a_full_turn(tmp_path, between):
+    time = 0.01 * np.arange(3000)
+    angle = 400.0 * np.sin(0.4 * time)
+    lines = "".join(f"{t:.2f},{a:.2f}\n" for t, a in zip(time, np.mod(angle, 360.0), strict=True))
+    (tmp_path / "log.csv").write_text("time,swing\n" + lines)
+    swing = {"source": "swing", "role": "input", "unit": "deg", "range": [0, 360], "between": between}
+    channels = channel_map({"raster": "10 ms", "channel": [{"source": "time", "role": "time"}, swing]})
+    found = import_log(tmp_path / "log.csv", channels, tmp_path / "table.parquet")
+    (turns,) = found.findings
+    anew = np.flatnonzero(np.abs(np.diff(np.mod(np.round(angle, 2), 360.0))) > 180.0) + 2
+    assert (turns.kind, turns.channel, turns.rows) == ("turns", "swing", [(row, row) for row in anew.tolist()])
+    table = read_table(tmp_path / "table.parquet")
+    assert np.allclose(np.degrees(table["swing"]), angle[: len(table)], atol=0.01)
 
 
 @pytest.mark.parametrize(("n", "named"), [(9, []), (10, ["q"])])

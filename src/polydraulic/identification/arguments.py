@@ -19,6 +19,7 @@ from polydraulic.tables import MISSING, Table, began, finite, read_table
 TIMES = ("time", "segment")  # what tells a log from any table
 _FILES = "files"  # in the info of a table: names and numbers of rows of those that it was made of
 _SHIFTS = "shifts"  # in the info of such a table: s by which the times of each are later than its own
+_UNUSED = "unused"  # in the info of a table of whole rows: how many others there were, and how often each column lacked a value
 _APART = 60.0  # s between tables whose times begin anew: nobody knows how long it was
 _DATES = 315_532_800.0  # s since 1970: from 1980 on times are dates
 _NAMED = 3  # tables in the name of several
@@ -33,7 +34,8 @@ def table_of(
 ) -> tuple[Table, str]:
     """A table or that of a file, and what it is called; only `columns` if given, and those of `optional` that it has.
 
-    Of tables that declare missing values, rows with a value of all these columns; with `partial`, all rows, as by `read_table`.
+    Of tables that declare missing values, rows with a value of all these columns, and `unused_in_words` says how many others there were;
+    with `partial`, all rows, as by `read_table`.
 
     Several tables, or files that match a pattern such as ``day*.parquet``, become one: those with dates in the order of these, all
     others as they are given. Times rise through all of them, a minute apart where they restart, and ``segment`` is counted on.
@@ -77,6 +79,16 @@ def names_of_parts(table: Table) -> list[str]:
     """What the tables are called that a table was made of; empty for any other."""
     files: Any = table.info.get(_FILES, [])
     return [str(name) for name, _ in files] if len(parts_of(table)) > 1 else []
+
+
+def unused_in_words(table: Table) -> str:
+    """Sentence on rows that `table_of` left out, since a column that is read has no value in them; empty if there are none."""
+    unused: Any = table.info.get(_UNUSED)
+    if not unused:
+        return ""
+    count, lacks = unused
+    each = ", ".join(f"{name} in {n}" for name, n in lacks.items() if n)
+    return f"{count} of {count + len(table)} rows are not used, since columns that are read have no value there: {each}"
 
 
 def whole_rows(table: Table, names: Sequence[str]) -> Table:
@@ -124,21 +136,37 @@ def _one(
     given: Table | str | Path, columns: Sequence[str] | None, optional: Sequence[str], partial: bool
 ) -> tuple[Table, str]:
     if not isinstance(given, Table):
-        return read_table(given, columns, optional=optional, partial=partial), Path(given).name
+        found = read_table(given, columns, optional=optional, partial=True)
+        try:
+            return found if partial else _whole(found), Path(given).name
+        except InputError as error:
+            raise InputError(f"{given}: {error}") from error
     names = [name for name in given.names if name != MISSING]
     wanted = names if columns is None else [*columns, *(n for n in optional if n in names and n not in columns)]
     if not len(given):
         raise InputError("the table has no rows")
-    if MISSING in given and partial:
-        absent = [name for name in wanted if name not in names]
-        if absent:
-            raise InputError(f"no column {absent[0]!r}; the table has {names}")
-        some = Table({n: given.columns[n] for n in wanted}, {n: given.unit(n) for n in wanted}, given.info)
-        return some.partial(), "table"
-    table = given.whole(wanted)
+    absent = [name for name in wanted if name not in names]
+    if absent:
+        raise InputError(f"no column {absent[0]!r}; the table has {names}")
+    some = Table({n: given.columns[n] for n in wanted}, {n: given.unit(n) for n in wanted}, given.info)
+    if MISSING in given:
+        return some.partial() if partial else _whole(some.partial()), "table"
     for name in wanted:
-        finite(table[name], name)
-    return table, "table"
+        finite(some[name], name)
+    return _whole(some), "table"
+
+
+def _whole(table: Table) -> Table:
+    """Rows that have a value of all columns, which know how many others there were."""
+    info = {key: value for key, value in table.info.items() if key != _UNUSED}
+    if MISSING not in table:
+        return Table(table.columns, table.units, info)
+    names = [name for name in table.names if name != MISSING]
+    found = table.whole(names)
+    if len(found) < len(table):
+        lacks = {name: int(np.count_nonzero(~table.known([name]))) for name in names}
+        info[_UNUSED] = [len(table) - len(found), lacks]
+    return Table(found.columns, found.units, info)
 
 
 def _joined(named: list[tuple[Table, str]]) -> tuple[Table, str]:
@@ -170,6 +198,10 @@ def _joined(named: list[tuple[Table, str]]) -> tuple[Table, str]:
     unit_of = first.units | {"segment": "1"}
     called = [name for _, name in named]
     info = {**named[0][0].info, _FILES: [[name, len(table)] for table, name in named]}
+    unused: list[Any] = [table.info[_UNUSED] for table, _ in named if _UNUSED in table.info]
+    if unused:
+        lacks = {column: sum(each.get(column, 0) for _, each in unused) for column in first.names}
+        info[_UNUSED] = [sum(count for count, _ in unused), lacks]
     if times:
         info[_SHIFTS] = [float(time[0] - table["time"][0]) for time, (table, _) in zip(times, named, strict=True)]
     if not all(began(table) for table, _ in named):  # times are not counted from one date

@@ -12,7 +12,7 @@ from sklearn.base import BaseEstimator
 
 from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import check_columns, parts_of, table_of
+from polydraulic.identification.arguments import check_columns, parts_of, table_of, unused_in_words
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, far_from_others, r2_text, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
@@ -36,6 +36,7 @@ from polydraulic.tables import Table
 LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
 _FEWER = 0.1  # by which the share of rows in their intervals may fall below the level without a word
+_ONLY_READ = 0.1  # share of the rows that models do not answer, above which it is worth a word
 _FEW_BLOCKS = 10  # of a short log, two of them held out
 
 
@@ -103,7 +104,8 @@ class DynamicFit:
     source : str
         Where it came from.
     doubts : list of str
-        What makes the models doubtful, in sentences: values far from all others; of joints, gaps that left no room to learn.
+        What makes the models doubtful, in sentences: rows that are not used, or only read; values far from all others; of joints, gaps that
+        left no room to learn.
     """
 
     outputs: list[DynamicOutputFit]
@@ -223,10 +225,20 @@ def fit_log(
         if isinstance(final, JointRegressor):
             model.training["response"] = response_facts(final.responses_[k], inputs[k], table.unit(inputs[k]), raster)
         fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
-    doubts = [*far_from_others(table, [fit.model for fit in fits]).values()]
+    models = [fit.model for fit in fits]
+    doubts = [unused_in_words(table), _only_read(spans, models), *far_from_others(table, models).values()]
     if isinstance(final, JointRegressor):
         doubts += final.doubts_
-    return DynamicFit(fits, table, source, doubts)
+    return DynamicFit(fits, table, source, [doubt for doubt in doubts if doubt])
+
+
+def _only_read(spans: Sequence[Span], models: Sequence[Model]) -> str:
+    """Sentence on rows that begin a piece, or are one that is too short, where these are many; empty otherwise."""
+    first = max(dynamics_of(model).warm_up for model in models)
+    count, only = sum(b - a for a, b in spans), sum(min(b - a, first) for a, b in spans)
+    if only <= _ONLY_READ * count:
+        return ""
+    return f"{only} of {count} rows are read and teach nothing: the first {first} of each of {len(spans)} pieces without a gap, or all of shorter ones"
 
 
 def statements(fit: DynamicOutputFit) -> list[str]:

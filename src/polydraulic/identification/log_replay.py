@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
-from polydraulic.identification.arguments import models_of, parts_of, table_of
+from polydraulic.identification.arguments import models_of, parts_of, table_of, unused_in_words
 from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.log_rows import MACHINE_UNITS
 from polydraulic.identification.plausible import check_plausible
@@ -37,6 +37,7 @@ _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at t
 _ROWS_NEAR = 5
 _DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
 _NAMED = 6  # columns in an error
+_LEFT = 0.1  # share of rows in no window, above which it is worth a word
 
 
 class Joint(NamedTuple):
@@ -110,7 +111,7 @@ class Replay:
     began : float, s since 1970
         When the log's time was zero; 0 if that is not known, or its times are dates themselves.
     doubts : tuple of str
-        Channels of the log that contradict each other, whatever the machine does.
+        Rows that are not used; channels of the log that contradict each other, whatever the machine does.
     """
 
     windows: list[Window] = field(repr=False)
@@ -202,8 +203,16 @@ def replay(
     windows = replayed(plant, flow, table, seconds=seconds, dt=dt, rows=rows, progress=progress)
     if not windows:
         raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
-    doubts = tuple(doubt.text for doubt in channel_doubts(plant, table))
-    return Replay(windows, drifts(plant, windows), seconds, began(table), doubts)
+    doubts = (unused_in_words(table), _between_windows(table, windows), *(d.text for d in channel_doubts(plant, table)))
+    return Replay(windows, drifts(plant, windows), seconds, began(table), tuple(said for said in doubts if said))
+
+
+def _between_windows(log: Table, windows: Sequence[Window]) -> str:
+    """Sentence on rows of the log that are in no window, if these are many; empty otherwise."""
+    left = len(log) - sum(len(window.time) for window in windows)
+    if left <= _LEFT * len(log):
+        return ""
+    return f"{left} of {len(log)} rows are in no window: they lie in pieces without a gap, or at ends of these, that are shorter than one"
 
 
 def joints_of(machine: LayoutMachine) -> list[Joint]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import TIMES, models_of, table_of
+from polydraulic.identification.arguments import TIMES, models_of, table_of, unused_in_words
 from polydraulic.identification.machine.machine_log import as_judged, judged_by
 from polydraulic.identification.validity import Validity, run_validity, validity
 from polydraulic.networks.model.lag_words import dynamic_notes
@@ -37,7 +37,7 @@ class Check:
     found : sequence of ModelBounds, of RangeCheck, or of Validity
         One per model: proved bounds; whether it stays in a range; whether it holds on data.
     notes : list of str
-        What a proof of dynamic models is about.
+        What a proof of dynamic models is about; which rows of data are not used.
     units : str
         Of what is said.
     """
@@ -116,7 +116,8 @@ def check_models(
         if dynamic:
             progress("free runs through the new data", len(judged), len(some))
             judged += run_validity(dynamic, table, units)
-        return Check([*static, *dynamic], judged, [], units)
+        unused = unused_in_words(table)
+        return Check([*static, *dynamic], judged, [unused] if unused else [], units)
     places = [_place(model, box or {}) for model in some]
     proved: list[ModelBounds | RangeCheck] = []
     for model, place in zip(some, places, strict=True):

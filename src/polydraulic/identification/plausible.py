@@ -1,6 +1,7 @@
 """Whether the numbers of a log can be those of a machine in SI, whatever its table says of units."""
 
 from collections.abc import Collection
+from math import pi
 
 import numpy as np
 
@@ -27,6 +28,7 @@ _SLOWEST = 1.0  # s between rows; a joystick or a valve moves within one
 _MOST_PRESSURE = 2e8  # Pa, several times what mobile hydraulics stands
 _LEAST_OF_ONE = 1e4  # Pa, which even the port of a returning line passes; 10,000 psi and more nobody has
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
+_FOLLOWS = 1.5  # times the usual step in time, within which a row follows another one
 _LEVERS = 10.0  # times the voltage of full travel
 _MANY = 0.05  # share of rows that are no outliers
 _CONTRADICTED = 0.2  # of the pump's flow: what equations or networks leave of a flow is a few per cent of it where the log is of the machine
@@ -53,7 +55,7 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     Raises
     ------
     InputError
-        Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, no pressure
+        Where an angle jumps by more than half a turn from row to row, most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, no pressure
         of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go many times beyond the voltage of full travel; where rows
         come too seldom to show anything.
     """
@@ -66,6 +68,7 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     for f in machine.functions:
         name = position_column(machine, f)
         if name in table.names:
+            _check_goes_on(table, name)
             far = np.maximum(_known(table, name) - f.stops.high, f.stops.low - _known(table, name)) > _BEYOND
             if far.mean() > 0.5:
                 unit = "m" if name.endswith(".position") else "rad"
@@ -90,6 +93,22 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     for name in (f"{circuit.name}.p_pump" for circuit in machine.circuits):
         if name in table.names and 0.0 < _known(table, name).max() < _LEAST_PRESSURE:
             raise _not_si(table, name, "and a pump that feeds valves has more than 1 bar: it must be in Pa")
+
+
+def _check_goes_on(table: Table, name: str) -> None:
+    """Refuse an angle that begins anew after a full turn: differences of it are no motion."""
+    if not name.endswith(".angle") or "time" not in table.names:
+        return
+    some = table.whole(["time", name])
+    time, angle = some["time"], some[name]
+    step = np.diff(time)
+    jumps = np.flatnonzero((np.abs(np.diff(angle)) > pi) & (step <= _FOLLOWS * np.median(step)) if step.size else [])
+    if jumps.size:
+        k = int(jumps[0])
+        raise InputError(
+            f"column {name!r} goes from {angle[k]:.4g} to {angle[k + 1]:.4g} rad at {time[k + 1]:.10g} s, and so by more than half a turn in "
+            f"{jumps.size} row(s): an angle must go on past a full turn; import the log again, which does so, or numpy.unwrap it"
+        )
 
 
 def check_pressures(table: Table, functions: Collection[str]) -> None:

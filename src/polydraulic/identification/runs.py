@@ -10,7 +10,7 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import models_of, table_of
+from polydraulic.identification.arguments import TIMES, models_of, table_of, unused_in_words
 from polydraulic.identification.judging import errors_of, r2_text
 from polydraulic.identification.log_rows import rows_for
 from polydraulic.networks.dynamic.free_run import dynamics_of, free_run
@@ -95,7 +95,7 @@ def run_on(
     rows, length = rows_of(kept), np.array([b - a for a, b in kept])
     labels, place = np.repeat(np.arange(len(kept)), length), np.concatenate([np.arange(n) - warm_up for n in length])
     outputs = [model.output.name for model in models]
-    names = dict.fromkeys([*(lag.signal for model in models for lag in dynamics_of(model).lags), *outputs])
+    names = _signals(models)
     signals = {name: table[name][rows] for name in names}
     free = free_run(models, signals, segments=labels, horizon=horizon)
     one_step = free_run(models, signals, segments=labels, horizon=1)
@@ -113,6 +113,12 @@ def side_by_side(several: Sequence[Sequence[Model]], table: Table, spans: Sequen
     """`run_on` for several sets of models, of which all answer the same rows: those that the longest lag of any leaves."""
     longest = max(map(_warm_up, several))
     return [run_on(models, table, [(a + longest - _warm_up(models), b) for a, b in spans]) for models in several]
+
+
+def _signals(models: Sequence[Model]) -> list[str]:
+    """Columns that models read, and what they answer; of static ones only this."""
+    read = [lag.signal for model in models if model.dynamics for lag in model.dynamics.lags]
+    return list(dict.fromkeys([*read, *(model.output.name for model in models)]))
 
 
 def _warm_up(models: Sequence[Model]) -> int:
@@ -171,7 +177,8 @@ class ModelRuns:
                 r2, rms, largest = errors_of(run.measured, values)
                 sizes = (amount(size, model.output.unit, units) for size in (rms, largest))
                 lines.append(f"{model.output.name}, {name}: {r2_text(r2)}, rms {next(sizes)}, largest {next(sizes)}")
-        return "\n".join(lines)
+        unused = unused_in_words(self.log)
+        return "\n".join([*([f"warning: {unused}"] if unused else []), *lines])
 
     def __str__(self) -> str:
         return self.text()
@@ -205,7 +212,8 @@ def run_models(
     InputError
         A static model; a column that is missing; another raster; no rows that follow each other; a time shorter than the raster.
     """
-    some, (table, _) = models_of(models), table_of(log)
+    some = models_of(models)
+    table, _ = table_of(log, [], [*TIMES, *_signals(some)])
     rows = rows_for(some, table)
     horizon = None if every is None else _rows_in(every, rows.raster)
     runs = run_on(some, table, spans_of(rows.segments, np.ones(len(table), dtype=bool)), horizon)

@@ -11,7 +11,7 @@ from sklearn.base import clone
 
 from polydraulic.display import DEFAULT, amount
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import check_columns, parts_of, table_of
+from polydraulic.identification.arguments import check_columns, parts_of, table_of, unused_in_words
 from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.far_values import far_values_untold
@@ -66,7 +66,7 @@ class TableFit:
 
     @property
     def doubts(self) -> list[str]:
-        """What makes the models doubtful, in sentences: values far from all others; outputs beyond bounds, or that inputs do not determine, or are."""
+        """What makes the models doubtful, in sentences: rows that are not used; values far from all others; outputs beyond bounds, or that inputs do not determine, or are."""
         return self._doubts(DEFAULT)
 
     def _doubts(self, units: str) -> list[str]:
@@ -81,7 +81,8 @@ class TableFit:
             if doubt
         ]
         timed = any(variable.name == "time" for found in self.outputs for variable in found.model.inputs)
-        return [*far.values(), *of_outputs, *([_TIMED] if timed else [])]
+        unused = unused_in_words(self.table)
+        return [*([unused] if unused else []), *far.values(), *of_outputs, *([_TIMED] if timed else [])]
 
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""

@@ -78,6 +78,10 @@ KINDS = {
     "implausible": ("error", "values beyond the plausible range; taken as missing"),
     "unit by values": ("error", "most values are beyond the plausible range, and would fit in another unit"),
     "sign": ("error", "most values are beyond the plausible range, and would fit with the other sign"),
+    "turns": (
+        "warning",
+        "an angle that begins anew after a full turn, as from 359 to 0 degrees; taken to go on past it",
+    ),
     "spike": ("warning", "single values far from both neighbours; taken as missing"),
     "sentinel": (
         "error",

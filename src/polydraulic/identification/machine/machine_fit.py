@@ -10,7 +10,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.arguments import table_of
+from polydraulic.identification.arguments import table_of, unused_in_words
 from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.judging import OutputFit
 from polydraulic.identification.log_replay import DRIFT_HEADS, Drift, against_log, drift_rows, driven
@@ -177,7 +177,8 @@ def fit_machine(
         windows, drifts = f"not run against the log: nothing is learnt of {', '.join(idle)}", list[Drift]()
     else:
         windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
-    doubts = [doubt.text for doubt in channel_doubts(plant, read)]
+    unused = unused_in_words(read)
+    doubts = [*([unused] if unused else []), *(doubt.text for doubt in channel_doubts(plant, read))]
     warnings = doubts + one_sided(log, known) + contradicted(outputs, known) + weak(outputs)
     return MachineFit(outputs, without, held, windows, drifts, warnings, plant, known, log, source)
 

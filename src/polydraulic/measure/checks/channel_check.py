@@ -1,7 +1,7 @@
 """The values of one channel: which of them are any, and all that is wrong with them."""
 
 import zlib
-from math import inf
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from polydraulic.measure.checks.clock import JOIN, Clock, ClockedRows
 from polydraulic.measure.checks.envelope import Envelope
 from polydraulic.measure.checks.run_lengths import ValueRuns
 from polydraulic.measure.checks.sentinel import Sentinels
+from polydraulic.measure.checks.turns import Turns
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.log_units import conversion, same_kind
 from polydraulic.units import Conversion
@@ -50,6 +51,7 @@ class ChannelCheck:
         self.given, self.implausible, self.seen = 0, 0, 0
         self.envelope, self.runs = Envelope(), ValueRuns()
         self.sentinels = Sentinels()
+        self.turns = Turns(2.0 * pi / conversion.factor) if conversion.si == "rad" else None
         self.crc = 0
         self.lost = 0.0
         self._kept: list[np.ndarray] = []
@@ -74,6 +76,9 @@ class ChannelCheck:
             self._kept.append(value[:: max(1, len(value) // 2000)].copy())
         if value.size and not (c.low <= value.min() and value.max() <= c.high):
             there, value = self._within(rows, there, value)
+        if self.turns is not None:
+            value, anew = self.turns.add(value)
+            f.add_rows("turns", name, rows.rows[there[anew]])
         self.runs.add(value, _taken(rows.rows, there))
         if c.between == "linear":
             alone = _spikes(value)
