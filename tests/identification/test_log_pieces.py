@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of
+from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of, weighted_sums
 from polydraulic.tables import Table
 
 
@@ -59,3 +59,8 @@ def test_missing_values_of_what_is_needed_end_a_piece_and_others_stay_missing():
     assert len(even_pieces(table, ["x", "y"])) == 4
     with pytest.raises(InputError, match="no row of the log has a value of all of z"):
         even_pieces(table_of(time, z=np.full(10, nan)).partial(), ["z"])
+
+
+def test_weighted_sums_are_of_whole_stretches():
+    values = np.arange(10.0).reshape(5, 2)
+    assert weighted_sums(values, np.array([0.5, 0.0, 0.5])).tolist() == [[2.0, 3.0], [4.0, 5.0], [6.0, 7.0]]

@@ -61,6 +61,11 @@ def even_pieces(
     return found
 
 
+def weighted_sums(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weighted sums along the rows of a piece, of stretches that are whole: (n_row - n_weight + 1, ...) of (n_row, ...)."""
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=0) @ weights)
+
+
 def _between(at: np.ndarray, time: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values on straight lines between rows, NaN where one of the two has none."""
     lacks = np.isnan(values)

@@ -12,10 +12,10 @@ import numpy as np
 
 from polydraulic.display import amount
 from polydraulic.errors import InputError
-from polydraulic.identification.doubts.joint_torques import torques_of_friction, torques_of_motion, weighted_sums
 from polydraulic.identification.doubts.levers import Doubt
-from polydraulic.identification.log_pieces import even_pieces
+from polydraulic.identification.log_pieces import even_pieces, weighted_sums
 from polydraulic.identification.plausible import position_column
+from polydraulic.machine.joint_torques import torques_of_friction, torques_of_motion
 from polydraulic.machine.volumes import levers
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine

@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.identification.doubts.joint_torques import torques_of_friction, torques_of_motion, weighted_sums
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, measured_pieces, oil_torques
+from polydraulic.identification.log_pieces import weighted_sums
 from polydraulic.identification.plausible import check_plausible, check_units
+from polydraulic.machine.joint_torques import torques_of_friction, torques_of_motion
 from polydraulic.machine.reach.tip import tip_jacobian
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine

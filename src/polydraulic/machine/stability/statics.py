@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.machine.drives import Motor, prepare_drive
-from polydraulic.machine.frames import link_frames
-from polydraulic.machine.newton_euler import axis_of, needed_wrenches
+from polydraulic.machine.joint_torques import torques_of_motion
 from polydraulic.parameters.layout.geometry import lever
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.payload import with_payload
@@ -34,15 +33,8 @@ def static_torques(machine: LayoutMachine, positions: np.ndarray, payload: float
     -------
     (n_row, n_function) array, N m or N
     """
-    loaded = with_payload(machine, payload)
-    frames, still = link_frames(loaded, positions), np.zeros_like(positions)
-    needed = needed_wrenches(loaded, frames, still, still, np.zeros((len(positions), 3)))
-    found = np.empty_like(positions)
-    for place, f in enumerate(loaded.functions):
-        link, wrench = loaded.link(f.moves), needed[f.name]
-        carried = wrench.moment if link.joint == "revolute" else wrench.force
-        found[:, place] = (carried * axis_of(link, frames)).sum(axis=1)
-    return found
+    still = np.zeros_like(positions)
+    return torques_of_motion(with_payload(machine, payload), positions, still, still)
 
 
 def function_levers(machine: LayoutMachine, f: MachineFunction, positions: np.ndarray) -> Levers:

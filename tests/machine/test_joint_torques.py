@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import load_machine
-from polydraulic.identification.doubts.joint_torques import torques_of_friction, torques_of_motion, weighted_sums
+from polydraulic.machine.joint_torques import torques_of_friction, torques_of_motion
 
 
 def test_at_rest_a_joint_carries_the_weight_behind_it():
@@ -29,8 +29,3 @@ def test_friction_is_against_the_rate_and_unsure_at_rest():
         assert friction[1, k] == -friction[0, k]
         assert friction[2, k] == 0.0
         assert unsure[2, k] == pytest.approx(f.friction.static / np.sqrt(3.0))
-
-
-def test_weighted_sums_are_of_whole_stretches():
-    values = np.arange(10.0).reshape(5, 2)
-    assert weighted_sums(values, np.array([0.5, 0.0, 0.5])).tolist() == [[2.0, 3.0], [4.0, 5.0], [6.0, 7.0]]

@@ -1,4 +1,4 @@
-"""Torques at joints: what a motion needs, and what friction takes."""
+"""Torques at joints, on arrays of positions and rates: what a motion needs, and what friction takes."""
 
 import numpy as np
 
@@ -6,11 +6,22 @@ from polydraulic.machine.frames import link_frames
 from polydraulic.machine.newton_euler import axis_of, needed_wrenches
 from polydraulic.parameters.layout.schema import LayoutMachine
 
-FRICTION_SPREAD = 0.1  # how well friction of what moves is known
+_FRICTION_SPREAD = 0.1  # how well friction of what moves is known
 
 
 def torques_of_motion(machine: LayoutMachine, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-    """Torques that a motion needs, (n_row, n_function), in N m or N, from positions, rates and accelerations of that shape."""
+    """What actuators must give for a motion, towards positive positions, friction aside.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    q, qd, qdd : (n_row, n_function) array, rad or m, and per s and s2
+        Positions, rates and accelerations of joints.
+
+    Returns
+    -------
+    (n_row, n_function) array, N m or N
+    """
     frames = link_frames(machine, q)
     wrenches = needed_wrenches(machine, frames, qd, qdd, np.zeros((len(q), 3)))
     found = np.empty_like(q)
@@ -40,10 +51,5 @@ def torques_of_friction(machine: LayoutMachine, rate: np.ndarray) -> tuple[np.nd
         side = np.tanh(w / of.smoothing)
         friction[:, k] = level * side + of.viscous * w
         held = of.static / np.sqrt(3.0) * (1.0 - side**2)
-        unsure[:, k] = np.hypot(FRICTION_SPREAD * np.abs(friction[:, k]), held)
+        unsure[:, k] = np.hypot(_FRICTION_SPREAD * np.abs(friction[:, k]), held)
     return friction, unsure
-
-
-def weighted_sums(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted sums along the first axis, of stretches that are whole: (n_row - n_weight + 1, ...) of (n_row, ...)."""
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=0) @ weights)
