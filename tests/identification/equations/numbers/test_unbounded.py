@@ -10,6 +10,7 @@ from polydraulic.identification.equations.numbers.unbounded import (
     slopes_of_values,
     to_unbounded,
     unbounded,
+    with_rises_open,
 )
 
 CURVES = ("functions.boom.valve.inlet", "functions.boom.valve.bypass")
@@ -52,6 +53,23 @@ def test_slopes_are_those_of_differences():
     for k, direction in enumerate(np.eye(len(u))):
         ahead, behind = (from_unbounded(numbers, u + way * direction) for way in (1e-5, -1e-5))
         assert np.allclose(found[:, k], (ahead - behind) / 2e-5, rtol=1e-5, atol=1e-6 * numbers.spread)
+
+
+def test_a_rise_that_was_closed_is_opened_by_little_and_may_move_again():
+    numbers = numbers_of(load_machine("cat215b_bucket"))
+    start = to_unbounded(numbers, numbers.start)
+    closed = np.where(numbers.rises, -20.0, start)
+    opened = with_rises_open(numbers, closed)
+    low, high = (
+        np.diagonal(np.linalg.solve(numbers.sums, slopes_of_values(numbers, u))) / numbers.spread
+        for u in (closed, opened)
+    )
+    assert np.all(low[numbers.rises] < 1e-4)
+    assert np.all(high[numbers.rises] > 0.4)
+    parts = np.linalg.solve(numbers.sums, from_unbounded(numbers, opened) - numbers.known)
+    assert np.all(parts[numbers.rises] < 0.06 * numbers.spread[numbers.rises])
+    assert np.array_equal(opened[~numbers.rises], start[~numbers.rises])
+    assert np.array_equal(with_rises_open(numbers, np.abs(start)), np.abs(start))
 
 
 def test_a_table_stands_for_its_numbers_that_are_not_zero():

@@ -38,6 +38,27 @@ def test_what_hardly_shows_keeps_its_value_and_what_trades_is_named():
     assert all(path not in so_far.changes for path in paths[3:])
 
 
+def test_a_knot_that_hardly_shows_moves_along_where_its_curve_would_turn():
+    """A bypass falls: an end that shows little stays below what was found before it, or moves with it."""
+    machine = load_machine("wheel_loader")
+    before = {number.path: number.value for number in machine.numbers}
+    paths = [f"{BYPASS}[{k}]" for k in range(4)]
+    was = np.array([before[path] for path in paths])
+    spread = 0.3 * was
+    for factor, moves in ((0.9, False), (0.4, True)):  # the third knot then lies above the fourth as it was, or below
+        values = np.append(factor * was[:3], 0.8 * factor * was[3])
+        so_far = SoFar(machine, Freedom({}, True), "identified from a log")
+        covariance = np.diag((np.array([0.1, 0.1, 0.1, 0.95]) * spread) ** 2)
+        so_far.take_estimates(estimates_of(paths, values, covariance, spread, np.eye(4)), "told so")
+        found = so_far.changes[BYPASS]
+        assert found.value[:3] == tuple(values[:3])
+        assert found.value[3] == (values[3] if moves else was[3])
+        assert np.all(np.diff(found.value) <= 0.0)
+        assert np.isfinite(found.uncertainty[3]) == moves
+        assert (f"{paths[3]}: kept; it hardly shows in this log" in so_far.kept) != moves
+        assert any(line.startswith(f"{paths[3]} hardly shows") for line in so_far.remarks) == moves
+
+
 def test_masses_and_friction_are_known_by_their_paths():
     assert is_mechanical("links.boom.cg.x")
     assert is_mechanical("functions.boom.friction.viscous")

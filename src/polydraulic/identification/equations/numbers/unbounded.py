@@ -105,6 +105,11 @@ def from_unbounded(numbers: Unbounded, coordinates: np.ndarray) -> np.ndarray:
     return np.asarray(numbers.sums @ _parts(numbers, coordinates)[0] + numbers.known)
 
 
+def with_rises_open(numbers: Unbounded, coordinates: np.ndarray) -> np.ndarray:
+    """Coordinates, (n,), at which no rise is closed: where one is, it hardly depends on its coordinate, and no step of a search opens it again."""
+    return np.where(numbers.rises, np.maximum(coordinates, 0.0), coordinates)
+
+
 def slopes_of_values(numbers: Unbounded, coordinates: np.ndarray) -> np.ndarray:
     """Slopes of values over coordinates, (n, n)."""
     return np.asarray(numbers.sums * _parts(numbers, coordinates)[1])

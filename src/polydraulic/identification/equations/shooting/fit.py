@@ -19,7 +19,9 @@ from polydraulic.identification.equations.numbers.unbounded import (
     slopes_of_values,
     to_unbounded,
     unbounded,
+    with_rises_open,
 )
+from polydraulic.identification.equations.shooting.elimination import Linearised, Reduced, without_states
 from polydraulic.identification.equations.shooting.information import state_spreads
 from polydraulic.identification.equations.shooting.runs import (
     Driven,
@@ -38,7 +40,7 @@ from polydraulic.tables import Table
 SECONDS = 2.0
 MOST_WINDOWS = 128
 # how much larger noise is taken, so that priors hold while states are far off; steps at most
-_PASSES = ((8.0, 4), (3.0, 4), (1.0, 5), (1.0, 12))
+_PASSES = ((8.0, 4), (3.0, 4), (1.0, 5), (1.0, 12), (1.0, 40))
 _ROBUST = 3.0  # standard deviations
 _SHARES = 1.0, 0.3, 0.0  # of a window's own step of its states that are tried
 _SETTLING = 3  # steps of the states before numbers move
@@ -73,6 +75,8 @@ class ShootingFit(NamedTuple):
         Length of a window.
     travel : dict
         Largest travel of each spool that commands drive, m.
+    settled : bool
+        Whether the search ended because no step gained much, not because it had made as many as it may.
     """
 
     machine: LayoutMachine
@@ -82,6 +86,7 @@ class ShootingFit(NamedTuple):
     windows: int
     seconds: float
     travel: dict[str, float]
+    settled: bool
 
 
 class ShootingStage(NamedTuple):
@@ -167,10 +172,13 @@ def fit_by_shooting(
     if begun is not None and search.goes_on_from(begun):
         u, first, reached = begun.u, begun.passes, begun.reached
     total, done = (sum(steps for _, steps in passes) for passes in (_PASSES, _PASSES[:first]))
+    last = reached
     for number, (looser, steps) in enumerate(_PASSES[first:], first):
 
         def told(now: Descent, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
+            nonlocal last
             assert search.here is not None
+            last = now
             keep(ShootingStage(number, now, u, search.here.states, search.noise))
             progress("identify", done + min(now.steps, steps), total)
 
@@ -187,25 +195,8 @@ def fit_by_shooting(
         len(windows.first),
         seconds,
         commanded_travel(found, windows),
+        last.steps < _PASSES[-1][1],
     )
-
-
-class _Here(NamedTuple):
-    """Where a search is: states at the start of windows, residuals over noise, and slopes over numbers and states."""
-
-    states: np.ndarray
-    off: np.ndarray  # (n_window, m)
-    over_numbers: np.ndarray  # (n_window, m, n)
-    over_states: np.ndarray  # (n_window, m, 4 n_function)
-
-
-class _Reduced(NamedTuple):
-    """Windows without their states: Gram matrices, gradients, and what gives the states' steps."""
-
-    gram: np.ndarray  # (n_window, n, n)
-    gradient: np.ndarray  # (n_window, n)
-    to_numbers: np.ndarray  # (n_window, 4 n_function, n): steps of the states for each step of the numbers
-    own: np.ndarray  # (n_window, 4 n_function): their own steps
 
 
 class _Search:
@@ -223,7 +214,7 @@ class _Search:
                 "the machine diverges from the states of the log; bring its numbers to begin with nearer to it"
             )
         self.before = self.noise = self._spread_of(start - self.measured)
-        self.here: _Here | None = None
+        self.here: Linearised | None = None
 
     def machine_at(self, u: np.ndarray) -> LayoutMachine:
         values = from_unbounded(self.numbers, u)
@@ -255,9 +246,11 @@ class _Search:
             off = self.here.off.reshape(self.windows.measured.shape) * self.noise
             self._scale_to(looser * self._spread_of(off))
         self._u = u
+        if not reached.steps:
+            self._evaluate(with_rises_open(self.numbers, u), np.inf)
         found, _ = lower_loss(
-            u,
-            self._equations(u, self.here),
+            self._u,
+            self._equations(self._u, self.here),
             self._evaluate,
             _RULES,
             max_steps=steps,
@@ -271,10 +264,10 @@ class _Search:
         assert self.here is not None
         scale = np.broadcast_to(self.noise / noise, self.heard.shape).reshape(len(self.here.off), -1)
         states, off, over_numbers, over_states = self.here
-        self.here = _Here(states, off * scale, over_numbers * scale[..., None], over_states * scale[..., None])
+        self.here = Linearised(states, off * scale, over_numbers * scale[..., None], over_states * scale[..., None])
         self.noise = noise
 
-    def _settled(self, u: np.ndarray) -> _Here:
+    def _settled(self, u: np.ndarray) -> Linearised:
         """States that fit the numbers to begin with, so that numbers do not answer for them."""
         states, off = self.first, None
         for _ in range(_SETTLING):
@@ -332,7 +325,7 @@ class _Search:
 
     def _at(
         self, u: np.ndarray, states: np.ndarray, off: np.ndarray | None = None, paths: Sequence[str] | None = None
-    ) -> _Here | None:
+    ) -> Linearised | None:
         machine = self.machine_at(u)
         off = self._off(machine, states) if off is None else off
         if off is None:
@@ -343,7 +336,7 @@ class _Search:
         if found is None:
             return None
         parts = [np.where(self.heard[..., None], part / self.noise[:, None], 0.0) for part in found]
-        return _Here(states, off, *(part.reshape(*off.shape, part.shape[-1]) for part in parts))
+        return Linearised(states, off, *(part.reshape(*off.shape, part.shape[-1]) for part in parts))
 
     def _loss(self, u: np.ndarray, states: np.ndarray, off: np.ndarray) -> float:
         prior = (from_unbounded(self.numbers, u) - self.numbers.start) / self.numbers.spread
@@ -354,26 +347,11 @@ class _Search:
         data = 2.0 * _ROBUST**2 * (np.sqrt(1.0 + (off / _ROBUST) ** 2) - 1.0)
         return np.asarray(data.sum(axis=1) + (begun * begun).sum(axis=1))
 
-    def _reduced(self, here: _Here) -> _Reduced:
-        """Eliminate the states of each window."""
+    def _reduced(self, here: Linearised) -> Reduced:
         weight = 1.0 / np.sqrt(1.0 + (here.off / _ROBUST) ** 2)
-        a, b = here.over_numbers, here.over_states
-        wa, wb = a * weight[..., None], b * weight[..., None]
-        inner = np.swapaxes(b, 1, 2) @ wb + np.diag(1.0 / self.state_spread**2)
-        cross = np.swapaxes(b, 1, 2) @ wa
-        pull = np.einsum("wms,wm->ws", wb, here.off) + (here.states - self.first) / self.state_spread**2
-        scale = np.sqrt(np.einsum("wss->ws", inner))
-        solved = np.linalg.solve(
-            inner / (scale[:, :, None] * scale[:, None, :]),
-            np.concatenate([cross, pull[..., None]], axis=2) / scale[..., None],
-        )
-        solved = solved / scale[..., None]
-        to_numbers, own = -solved[..., :-1], solved[..., -1]
-        gram = np.swapaxes(a, 1, 2) @ wa + np.swapaxes(cross, 1, 2) @ to_numbers
-        gradient = np.einsum("wmn,wm->wn", wa, here.off) - np.einsum("wsn,ws->wn", cross, own)
-        return _Reduced(gram, gradient, -to_numbers, own)
+        return without_states(here, weight, here.states - self.first, self.state_spread)
 
-    def _equations(self, u: np.ndarray, here: _Here) -> Equations:
+    def _equations(self, u: np.ndarray, here: Linearised) -> Equations:
         reduced, spread = self._reduced(here), self.numbers.spread
         values, own = from_unbounded(self.numbers, u), slopes_of_values(self.numbers, u)
         gram = reduced.gram.sum(0) + np.diag(1.0 / spread**2)

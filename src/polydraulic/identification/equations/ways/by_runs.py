@@ -82,6 +82,11 @@ def find_left(
         found.estimates._replace(numbers=told),
         f"{so_far.from_log}: simulation of {found.windows} windows of {found.seconds:g} s, travel of {seen} seen",
     )
+    if not found.settled:
+        so_far.remarks.append(
+            "simulation made as many steps as it may, and its runs still came nearer to the log: numbers may be off by more than their standard "
+            "errors; begin from the machine that was written, or free fewer numbers"
+        )
     for f in so_far.machine.functions:
         if any(f"functions.{f.name}.valve.{key}" in so_far.changes for key in CURVES) and f.name not in so_far.seen:
             ports = [f"{f.name}.{port}" for port in ("p_a", "p_b")]

@@ -1,12 +1,13 @@
 """What has been found so far: new values of entries, what kept its value and why, what is known only together with others."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.free_numbers import Freedom
+from polydraulic.identification.equations.free_numbers import CURVES, Freedom
 from polydraulic.identification.equations.identified_file import Identified
 from polydraulic.identification.equations.numbers.estimates import Estimate, Estimates
 from polydraulic.parameters.layout.parts import Seen
@@ -69,25 +70,29 @@ class SoFar:
         whole: dict[str, list[str]] = {}
         for path in before:
             whole.setdefault(path.partition("[")[0], []).append(path)
-        changes = {}
+        changes, moved = {}, set[str]()
         for entry in dict.fromkeys(path.partition("[")[0] for path in of):
             paths = whole[entry]
             if all(path not in of or of[path].hidden for path in paths):
                 continue
-            values = tuple(of[p].value if p in of and not of[p].hidden else before[p] for p in paths)
-            errors = tuple(0.0 if p not in of else np.inf if of[p].hidden else of[p].sd for p in paths)
+            kept = {p for p in paths if p not in of or of[p].hidden}
+            if not _in_order(entry, [before[p] if p in kept else of[p].value for p in paths]):
+                moved |= {p for p in kept if p in of}
+                kept -= moved
+            values = tuple(before[p] if p in kept else of[p].value for p in paths)
+            errors = tuple(0.0 if p not in of else np.inf if p in kept else of[p].sd for p in paths)
             many = paths != [entry]
             changes[entry] = Identified(values if many else values[0], errors if many else errors[0], source)
         along = self._along(changes, {e.path: e for e in estimates.numbers if e.hidden}, source)
         self.take(changes | along)
+        hidden = [e.path for e in estimates.numbers if e.hidden]
         self.kept += [
-            f"{e.path}: kept; it hardly shows in this log"
-            for e in estimates.numbers
-            if e.hidden and e.path not in along
+            f"{path}: kept; it hardly shows in this log" for path in hidden if path not in along and path not in moved
         ]
         self.remarks += [
             f"{path} hardly shows in this log; its value was not possible beside the others that were found, and moved with them"
-            for path in along
+            for path in hidden
+            if path in along or path in moved
         ]
         self.remarks += [line for line in estimates.trades if not of[line.partition(" ")[0]].hidden]
 
@@ -107,6 +112,14 @@ class SoFar:
                     if path.rpartition(".")[0] == table and not path.endswith(".viscous")
                 }
         return along
+
+
+def _in_order(entry: str, values: Sequence[float]) -> bool:
+    """Whether values at the knots of a curve rise, or fall if it is a bypass; true of any other entry."""
+    if entry.rpartition(".")[2] not in CURVES:
+        return True
+    way = -1.0 if entry.endswith(".bypass") else 1.0
+    return bool(np.all(way * np.diff(values) >= 0.0))
 
 
 def is_mechanical(path: str) -> bool:
