@@ -12,6 +12,8 @@ from polydraulic.columns.cells import numbers
         (pa.array([True, False]), [1.0, 0.0], []),
         (pa.array([" 1.5", "", "n/a", "2e3 "]), [1.5, np.nan, np.nan, 2000.0], []),
         (pa.array(["1", "open", None, "4"]), [1.0, np.nan, np.nan, 4.0], [1]),
+        (pa.array(["\u20131.5", "\u22122", "3.5-", "7-", "4"]), [-1.5, -2.0, -3.5, -7.0, 4.0], []),
+        (pa.array(["-7-", "1\u20132", "1\u2009234.5", "-"]), [np.nan, np.nan, 1234.5, np.nan], [0, 1]),
         (pa.array(["2", "1", "2"]).dictionary_encode(), [2.0, 1.0, 2.0], []),
         (pa.chunked_array([[1.0], [2.0, None]]), [1.0, 2.0, np.nan], []),
         (pa.array([[1.0], [2.0]]), [np.nan, np.nan], [0, 1]),

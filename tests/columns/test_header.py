@@ -50,7 +50,9 @@ def test_a_log_goes_by_names_and_whole_heads(tmp_path):
     [
         ("105 bar", "such as '105 bar': numbers with their unit; leave 'bar' out of the cells"),
         ("-1,5mm", "such as '-1,5mm': numbers with their unit; leave 'mm' out of the cells"),
-        ("0x69", "such as '0x69'"),
+        ("0x69", "such as '0x69': hexadecimal numbers, or some with a unit; write plain decimal ones"),
+        ("0A", "such as '0A': hexadecimal numbers, or some with a unit; write plain decimal ones"),
+        ("BAD", "such as 'BAD'"),
         ("OVERLOAD", "such as 'OVERLOAD'"),
     ],
 )

@@ -65,3 +65,13 @@ def test_single_rows_that_are_off_change_nothing():
     found, rows = went_on(given, True, 1)
     assert np.array_equal(found, given, equal_nan=True)
     assert rows == {}
+
+
+@pytest.mark.parametrize("blocks", [1, 3, 1000])
+@pytest.mark.parametrize("day", [0.0, 1.7e9 // 86400.0 * 86400.0])
+def test_a_clock_of_twelve_hours_goes_on_after_one(blocks, day):
+    true = day + 46_400.0 + np.arange(1000.0)  # 12:53 in the afternoon
+    given = np.where(true < day + 46_800.0, true, true - 43_200.0)
+    found, rows = went_on(given, day == 0.0, blocks)
+    assert np.array_equal(found, true)
+    assert rows == {"twelve hours": [401]}

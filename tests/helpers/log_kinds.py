@@ -50,6 +50,13 @@ TEXTS = {
         "UTF-32": (PLAIN.encode("utf-32"), READ),
         "Windows letters, first in the header": (lines("{t:.2f},{p},x\n", "time,p,Öl €\n").encode("cp1252"), READ),
         "Latin-1 letters, first in the last row": ((lines("{t:.2f},{p},x\n", "time,p,note\n")[:-2] + "Öl\n").encode("latin-1"), READ),
+        "blanks between a comma and a quote": (lines('"{t:.2f}", "{p}"\n', '"time", "p"\n'), READ),
+        "single quotes": (lines("'{t:.2f}','{p}'\n", "'time','p'\n"), READ),
+        '`="1.5"`, so that a spreadsheet keeps all digits': (lines('="{t:.2f}",="{p}"\n'), READ),
+        "blanks within quotes, between runs of blanks": (lines('"{t:.2f}"  {p}   "a b"\n', '"time" "p" "what it is"\n'), READ),
+        "runs of blanks, and single cells that are blank": (
+            "time p q\n" + "".join(f"{t:.2f} {p} 7\n" if i != 30 else f"{t:.2f} {' ' * 5} 7\n"
+                                    for i, (t, p) in enumerate(zip(TIME, PRESSURE, strict=True))), ("missing line",)),
         "gzip": (gzip.compress(PLAIN.encode()), READ),
         "gzip, cut off": (gzip.compress(PLAIN.encode())[:-40], REFUSED),
         "commas between columns and within numbers": (PLAIN.replace(".", ","), REFUSED),
@@ -78,6 +85,11 @@ TEXTS = {
         "units in a line below the header": (PLAIN.replace("time,p\n", "time,p\ns,bar\n"), READ),
         "`Time (s)`, `p (bar)`, `p [bar]` as names with units": (PLAIN.replace("time,p", "time (s),p (bar)"), READ),
         "`time/s`, `p/bar`, `p in bar`, `p, bar` as names with units": (PLAIN.replace("time,p", 'time/s,"p, bar"'), READ),
+        "`time <s>`, `[bar] p`, `p {bar}`, `p - bar` as names with units": (PLAIN.replace("time,p", "time <s>,[bar] p"), READ),
+        "what each name means, in words below it": (PLAIN.replace("time,p\n", "time,p\nTime since start,Pressure of the pump\n"), READ),
+        "a line of dashes below the header": (PLAIN.replace("time,p\n", "time,p\n----,---\n"), READ),
+        "numbers of rows without a name, as R writes them": (lines('"{i}",{t:.2f},{p}\n', '"time","p"\n'), ("header",)),
+        "more fields in all rows than names": (lines("{t:.2f},{p},7{i}\n"), ("header",)),
         "names in quotes with their units in a second line": (PLAIN.replace("time,p\n", '"time\n(s)","p\n(bar)"\n'), READ),
         "a header that ends in a delimiter": (PLAIN.replace("time,p\n", "time,p,\n"), READ),
         "rows that end in a delimiter": (lines("{t:.2f},{p},\n"), READ),
@@ -105,6 +117,7 @@ TEXTS = {
             "time;p\n" + "".join(f"{i};{901 + i if i < 50 else f'1.{i:03d}'}\n" for i in range(60)), ("doubtful numbers",)),
         "TRUE and FALSE, on and off": ("time,p\n" + "".join(f"{t:.2f},{'TRUE' if i % 7 < 3 else 'FALSE'}\n" for i, t in enumerate(TIME)),
                                         ("on and off",)),
+        "thin spaces between thousands": (lines("{t:.2f},{p:.3f},1\u2009{i:03d}.5\n", "time,p,q\n"), READ),
         "words among numbers, such as `OFF`": (PLAIN.replace(",100.0\n", ",OFF\n"), ("text",)),
     },
     "times": {
@@ -124,6 +137,13 @@ TEXTS = {
         "03/04/2024, where no day is above the 12th": (clocked("03/04/2024 {}", 40000.0), REFUSED),
         "times of day past midnight": (clocked("{}", 86399.7), ("midnight",)),
         "the end of summer time": ("time,p\n" + BACK, ("clock change",)),
+        "20240331111957.010, or 20240331111957010": (
+            "time,p\n" + "".join(f"20240331{clock(t, 40000.0).replace(':', '')},{p}\n" for t, p in zip(TIME, PRESSURE, strict=True)), READ),
+        "times of day of twelve hours, without AM or PM": (
+            "time,p\n" + "".join(f"{clock(t, 46799.7 if t < 0.3 else 3599.7)},{p}\n" for t, p in zip(TIME, PRESSURE, strict=True)),
+            ("twelve hours",)),
+        "a counter of 16 bits that runs over": (
+            "time,p\n" + "".join(f"{(65300.0 + i / 100.0) % 65536.0:.2f},{p}\n" for i, p in enumerate(PRESSURE, 23580)), ("counter",)),
         "before 1980, or negative": (clocked("1970-01-01 {}", 5.0), ("impossible time",)),
         "single times that cannot be read": (PLAIN.replace("0.30,", "half past,"), ("no time",)),
     },

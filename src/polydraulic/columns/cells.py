@@ -7,11 +7,13 @@ import numpy as np
 from polydraulic.columns.timestamps import DAY, since_1970
 
 MISSING = ["", "NaN", "nan", "NA", "n/a", "N/A", "null", "NULL", "None", "-", "#N/A", "NaT"]
-ON = ("true", "on", "yes", "ein", "an", "ja", "wahr")
-OFF = ("false", "off", "no", "aus", "nein", "falsch")
+ON = ("true", "on", "yes", "ein", "an", "ja", "wahr", "vrai", "oui", "enabled", "active", "high")
+OFF = ("false", "off", "no", "aus", "nein", "falsch", "faux", "non", "disabled", "inactive", "low")
 TICKS = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 _FORTRAN = r"^\s*([+-]?[0-9.]+)[dD]([+-]?[0-9]+)\s*$"
-_BETWEEN = "[ '’\u00a0\u202f]"  # thousands, where it can be nothing else
+_BETWEEN = "[ '’\u00a0\u2009\u202f]"  # thousands, where it can be nothing else
+_MINUS = "^[\u2010-\u2013\u2212\ufe63\uff0d]"  # as word processors write it
+_BEHIND = r"^([0-9][0-9.]*)-$"  # a minus behind its number, as ledgers have it
 _GROUPED = rf"^[+-]?[0-9]{{1,3}}(?:{_BETWEEN}[0-9]{{3}})+(?:\.[0-9]*)?$"
 _NONE = np.zeros(0, dtype=np.int64)
 
@@ -85,7 +87,8 @@ def text_numbers(cells: Any) -> tuple[np.ndarray, np.ndarray]:
         return trimmed.cast(pa.float64()).to_numpy(zero_copy_only=False), _NONE
     except pa.ArrowInvalid:
         pass
-    plain = pc.replace_substring(pc.replace_substring_regex(trimmed, _FORTRAN, r"\1e\2"), "\u2212", "-")
+    plain = pc.replace_substring_regex(pc.replace_substring_regex(trimmed, _FORTRAN, r"\1e\2"), _MINUS, "-")
+    plain = pc.replace_substring_regex(plain, _BEHIND, r"-\1")
     grouped = pc.match_substring_regex(plain, _GROUPED)
     plain = pc.if_else(grouped, pc.replace_substring_regex(plain, _BETWEEN, ""), plain)
     looks = pc.match_substring_regex(

@@ -5,11 +5,13 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 from polydraulic.columns.cells import MISSING
-from polydraulic.columns.header import is_unit, names_and_units, type_line, unit_line
+from polydraulic.columns.header import is_unit, names_and_units, says_time, type_line, unit_line
+from polydraulic.columns.quotes import Quotes, as_usual, quotes_of
 from polydraulic.columns.source import Scan
 from polydraulic.columns.timestamps import time_kind
 from polydraulic.errors import InputError
@@ -20,8 +22,10 @@ _USUAL = 0.05  # share of the rows that may be shorter than the header and are n
 _LONGEST_CELL = 5  # lines that a name and its unit may take
 _OPEN = re.compile(rb'(^|[,;\t|])\s*"')  # where a cell in quotes begins
 _WRAPPED = re.compile(r"\s*[\r\n]\s*")
+_WORDS = re.compile(r'"[^"]*"|[^ \t]+')  # between blanks
+_RULE = re.compile(r"^(?=.*[-=_]{2})[-=_|+,;:\s]+$")  # below a header, as databases draw it
 _NUMBER = re.compile(
-    r"^\s*[-+\u2212]?(\d+([.,]\d+)*[.,]?|[.,]\d+|\d{1,3}([ '’\u00a0\u202f]\d{3})+([.,]\d*)?)([eEdD][+-]?\d+)?\s*$"
+    r"^\s*[-+\u2212\u2013]?(\d+([.,]\d+)*[.,]?|[.,]\d+|\d{1,3}([ '’\u00a0\u2009\u202f]\d{3})+([.,]\d*)?)([eEdD][+-]?\d+)?\s*$"
 )
 _COMMENT = ("#", "//", "%")
 _MISSING = ("", "nan", "na", "n/a", "null", "-", "inf", "-inf", "+inf")
@@ -46,6 +50,10 @@ class Dialect(NamedTuple):
         Numbers of fields, fewer than `width`, that rows may have.
     above : list of str
         Lines above the header: comments, metadata.
+    unnamed : str
+        What was done where rows have more fields than the header names; empty where they do not.
+    quotes : Quotes
+        How cells are quoted, where not as usual.
     sample : list of list of str
         The cells of the first rows.
     """
@@ -59,6 +67,8 @@ class Dialect(NamedTuple):
     short: frozenset[int]
     above: list[str]
     sample: list[list[str]]
+    unnamed: str = ""
+    quotes: Quotes = None
 
 
 def find_dialect(path: Path, found: Scan) -> Dialect:
@@ -73,12 +83,14 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     lines = head.splitlines(keepends=True)
     lines = lines[:-1] if found.cut and len(lines) > 1 else lines  # the last may be cut
     lines = _logical(lines[:_LINES])
-    texts = [line.decode("utf-8", "replace").lstrip("\ufeff").rstrip("\r\n") for line in lines]
+    quotes = quotes_of(lines)
+    texts = [as_usual(line, quotes).decode("utf-8", "replace").lstrip("\ufeff").rstrip("\r\n") for line in lines]
     if not any(text.strip() for text in texts):
         raise InputError(f"{path}: the file is empty")
     said = next((n for n, text in enumerate(texts) if re.match(r"^\s*sep=.\s*$", text)), None)
     told = texts[said].strip()[4:] if said is not None else ("\t" if re.match(r"^\s*sep=\t", texts[0]) else None)
     plain = [n for n, text in enumerate(texts) if text.strip() and n != said and not text.lstrip().startswith(_COMMENT)]
+    plain = [n for n in plain if not _RULE.match(texts[n])] or plain
     delimiter = told or (_delimiter([texts[n] for n in plain]) if plain else ",")
     if delimiter != ";":
         plain = [n for n in plain if not texts[n].startswith(";")]
@@ -111,16 +123,25 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
             header, units, kept = cells[wide[-2]], cells[last], [n for n in kept if n < wide[-2]]
         elif beside and all(is_unit(cell) for cell in cells[wide[-2]]):
             units = cells[wide[-2]]  # above the names
+        elif beside and _described(cells[last], cells[wide[-2]]):
+            header, kept = cells[wide[-2]], [n for n in kept if n < wide[-2]]  # with what each name means below it
         if kept:
             header = _in_groups(header, cells[kept[-1]])
     elif (named := _commented_header(texts, first, delimiter, body[0])) is not None:
         header = named
     width, short = _widths(body, header)
+    short = short if delimiter != BLANKS else frozenset()  # of runs of blanks nobody knows which field is missing
     if delimiter == "," and header is not None and _torn(body, width, len(_trimmed(header))):
         raise InputError(
             f"{path}: {width} fields in a row and {len(_trimmed(header))} names: commas part the columns and are decimal marks, too, and cannot be "
             "told apart; write the log with another delimiter, or with decimal points"
         )
+    unnamed = ""
+    if header is not None and (count := len(_trimmed(header))) < width and _filled(body, width):
+        unnamed = f"{count} names, {width} fields in a row: the last ones are called by their numbers"
+        if count == width - 1 and _counted(body, _trimmed(header)):
+            header, units = ["", *_trimmed(header)], None if units is None else ["", *units]
+            unnamed = f"{count} names, {width} fields in a row, of which the first counts the rows: the names are those of the others"
     n_named = width if header is None else len(_trimmed(header))
     filled = {place for row in body for place, cell in enumerate(row) if cell}
     n_column = max([n_named, *(place + 1 for place in filled)])
@@ -134,8 +155,8 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
         of_names = [given or cell for given, cell in zip(of_names, below[:width], strict=True)]
     begin = sum(len(line) for line in lines[:first])
     return Dialect(
-        delimiter, names, of_names, min(n_column, width), begin, width, short, [texts[n] for n in kept], body
-    )
+        delimiter, names, of_names, min(n_column, width), begin, width, short, [texts[n] for n in kept], body, unnamed, quotes,
+    )  # fmt: skip
 
 
 def end_of_cell(lines: Sequence[bytes], place: int) -> int | None:
@@ -162,8 +183,11 @@ def _logical(lines: Sequence[bytes]) -> list[bytes]:
 def fields(line: str, delimiter: str) -> list[str]:
     """Cells of a line, without the blanks around them."""
     if delimiter == BLANKS:
-        return line.split()
-    return [_WRAPPED.sub(" ", cell.strip()) for cell in next(csv.reader([line], delimiter=delimiter), [])]
+        return [word.strip('"') for word in _WORDS.findall(line)]
+    return [
+        _WRAPPED.sub(" ", cell.strip())
+        for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    ]
 
 
 @lru_cache(1 << 14)  # each cell is looked at several times
@@ -274,6 +298,32 @@ def _one_unit(n: int, cells: dict[int, list[str]]) -> bool:
     """Whether a line gives the unit of the first column alone."""
     above = cells.get(n - 1, [])
     return len(above) > 1 and len(cells[n]) == len(above) and unit_line(cells[n], above)
+
+
+def _described(line: Sequence[str], above: Sequence[str]) -> bool:
+    """Whether a line says in words what the names in the line above it mean."""
+    given, names = _trimmed(line), _trimmed(above)
+    return (
+        len(given) == len(names)
+        and not any(" " in name for name in names)
+        and sum(" " in cell for cell in given) > 0.5 * len(given)
+    )
+
+
+def _filled(body: Sequence[Sequence[str]], width: int) -> bool:
+    """Whether most rows have a last field."""
+    return sum(len(_trimmed(row)) == width for row in body) > 0.5 * len(body)
+
+
+def _counted(body: Sequence[Sequence[str]], header: Sequence[str]) -> bool:
+    """Whether the first field of rows is their number, and not a time that the header names."""
+    first = [row[0] for row in body]
+    begin = int(first[0]) if first[0] in ("0", "1") else -1
+    if len(first) < 2 or begin < 0 or first != [str(begin + n) for n in range(len(first))]:
+        return False
+    second = [float(row[1]) for row in body if len(row) > 1 and re.fullmatch(r"[+-]?\d+(\.\d*)?", row[1])]
+    rises = len(second) == len(body) and all(a < b for a, b in pairwise(second))
+    return rises or not says_time(header[0])
 
 
 def _repeats(row: Sequence[str]) -> bool:

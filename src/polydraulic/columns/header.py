@@ -1,7 +1,7 @@
 """Names and units in the header of a text file.
 
-``name [unit]``, ``name (unit)``, ``name/unit`` (the quotient of DIN and ISO), ``name in unit``, ``name, unit``, or units in a line of
-their own. What could be something else stays a name: ``p_bar``, ``km/h``, ``pulses/s``, ``valve/A``.
+``name [unit]``, ``name (unit)``, ``name <unit>``, ``name {unit}``, ``[unit] name``, ``name/unit`` (the quotient of DIN and ISO),
+``name in unit``, ``name, unit``, ``name - unit``, or units in a line of their own. What could be something else stays a name: ``p_bar``, ``km/h``, ``pulses/s``, ``valve/A``.
 """
 
 import re
@@ -12,6 +12,8 @@ from polydraulic.errors import InputError, briefly
 from polydraulic.units import FACTORS, read_unit
 
 _BRACKETS = re.compile(r"^\s*(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*$")
+_OTHER_BRACKETS = re.compile(r"^\s*(?P<name>.*?\S)\s*(?:<(?P<angle>[^<>]+)>|\{(?P<curly>[^{}]+)\})\s*$")
+_BEFORE = re.compile(r"^\s*\[(?P<unit>[^\]]+)\]\s*(?P<name>\S.*?)\s*$")
 _PARENTHESES = re.compile(r"^\s*(?P<name>.*?\S)\s*\((?P<unit>[^()]*(?:\([^()]*\))?)\)\s*$")
 # What may be a unit in parentheses; single letters that are names of ports (A, B, C, P, T) are none.
 _SYMBOLS = frozenset(
@@ -21,11 +23,13 @@ _SYMBOLS = frozenset(
 # units but for capitals; In, Min, HP and Rev are as often inlet, least value, high pressure and reverse
 _FOLDED = frozenset(symbol.casefold() for symbol in _SYMBOLS if len(symbol) > 1) - {"in", "min", "hp", "rev"}
 _WITH_UNIT = re.compile(r"^\s*[+-]?[0-9][0-9.,]*([eE][+-]?[0-9]+)?\s*(?P<unit>[^\s0-9.,].*?)\s*$")
+_HEXADECIMAL = re.compile(r"^\s*(0[xX][0-9a-fA-F]+|[0-9A-F]{2,8}[hH]?)\s*$")
 _ALSO = ("A", "bar(g)", "bar(a)", "psi(g)", "psi(a)")  # units in parentheses, but for ports of pressures
 _FORMS = (
     re.compile(r"^(?P<name>[^/]*[^/\s])\s*/\s*(?P<unit>\([^()]+\)|[^()\s]+(\([^()]*\))?)$"),
     re.compile(r"(?i)^(?P<name>.*\S)\s+in\s+(?P<unit>\S+)$"),
     re.compile(r"^(?P<name>.*[^\s,])\s*,\s*(?P<unit>[^\s,]+)$"),
+    re.compile(r"^(?P<name>.*\S)\s+-\s+(?P<unit>\S+)$"),
 )
 _BARE = re.compile(r"^(\[[^\]]*\]|\([^()]*\))$")  # a unit by its brackets
 _TYPE = re.compile(  # F1, I1 and U1 are names of forces, currents and voltages
@@ -74,11 +78,20 @@ def is_unit(text: str) -> bool:
     )
 
 
+def says_time(name: str) -> bool:
+    """Whether a name says that times stand below it."""
+    return _TIME.match(name.strip()) is not None
+
+
 def example(cell: str) -> str:
-    """Words on a cell that is not a number, and on what to do where it is one with its unit."""
+    """Words on a cell that is not a number, and on what to do where it is one with its unit, or a hexadecimal one."""
     match = _WITH_UNIT.match(cell)
     unit = match["unit"] if match else ""
-    more = f": numbers with their unit; leave {unit!r} out of the cells" if is_unit(unit) or _kind(unit) else ""
+    more = ""
+    if _HEXADECIMAL.match(cell) and not cell.isalpha():
+        more = ": hexadecimal numbers, or some with a unit; write plain decimal ones"
+    elif is_unit(unit) or _kind(unit):
+        more = f": numbers with their unit; leave {unit!r} out of the cells"
     return f"such as {briefly(cell)}{more}"
 
 
@@ -93,6 +106,12 @@ def _split(head: str) -> tuple[str, str]:
         known = is_unit(inner) or _is_capital_unit(inner) or inner in _ALSO
         if known and not (pressure and inner == "A"):
             return match["name"].rstrip("/ "), inner
+    match = _OTHER_BRACKETS.match(head) or _BEFORE.match(head)
+    if match:
+        found = match.groupdict()
+        inner = next(text.strip() for key, text in found.items() if key != "name" and text)
+        if is_unit(inner) or _is_capital_unit(inner):
+            return match["name"], inner
     head = head.strip()
     for form in _FORMS:
         match = form.match(head)

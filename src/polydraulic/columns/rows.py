@@ -11,6 +11,7 @@ from polydraulic.ahead import ahead
 from polydraulic.columns.cells import MISSING
 from polydraulic.columns.dialect import BLANKS, Dialect, end_of_cell, fields
 from polydraulic.columns.local_clock import Notes
+from polydraulic.columns.quotes import as_usual
 from polydraulic.columns.source import DAMAGED, Scan, Source
 from polydraulic.errors import InputError
 
@@ -115,7 +116,7 @@ def _parsed(
     try:
         with Source(path, found.encoding, dialect.begin, dialect.delimiter == BLANKS) as source:
             for block in source.lines(BLOCK):
-                text, cut = without_stray_quotes(block), ""
+                text, cut = without_stray_quotes(as_usual(block, dialect.quotes)), ""
                 if str(dialect.width - 1) in parser.needed:
                     text, cut = without_cut_line(text, parser.delimiter, parser.decimal, earlier)
                     earlier = (earlier + text[-_BEFORE_CUT:])[-_BEFORE_CUT:]

@@ -16,6 +16,7 @@ HEAD = 1 << 16  # bytes that the first lines are looked for in
 _LONGEST_HEAD = 1 << 22  # the same where lines are long
 _LEAST_LINES = 4  # that are looked for
 _BLANKS = re.compile(rb"[ \t]+")
+_QUOTED = re.compile(rb'"[^"\r\n]*"|[ \t]+')  # what is quoted keeps its blanks
 _RUN = re.compile(rb"\0+")
 _CONTROL = re.compile(rb"[\x01-\x08\x0e-\x1f\x7f]")
 _OTHER_FILES = {  # by how they begin
@@ -208,13 +209,18 @@ class Source(BufferedIOBase):
         super().close()
 
 
+def _tab_or_quoted(found: re.Match[bytes]) -> bytes:
+    return found[0] if found[0].startswith(b'"') else b"\t"
+
+
 def _tabs(held: bytes, chunks: Iterator[bytes]) -> Iterator[bytes]:
     """Lines whose runs of blanks are one tab, and none at their ends."""
     rest = held
     while True:
         chunk = next(chunks, b"")
         block, newline, rest = (rest + chunk).rpartition(b"\n") if chunk else (rest, b"", b"")
-        tabbed = _BLANKS.sub(b"\t", block + newline)
+        whole = block + newline
+        tabbed = _BLANKS.sub(b"\t", whole) if b'"' not in whole else _QUOTED.sub(_tab_or_quoted, whole)
         tabbed = tabbed.replace(b"\n\t", b"\n").replace(b"\t\r\n", b"\r\n").replace(b"\t\n", b"\n")
         if tabbed:
             yield tabbed.removeprefix(b"\t")

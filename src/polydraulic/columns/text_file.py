@@ -131,6 +131,8 @@ class TextFile:
         InputError
             A file that is damaged, dates that can be read in two ways.
         """
+        if self.dialect.unnamed:
+            notes.add("header", "", self.dialect.unnamed)
         clock = None if time is None else _Time(self, time, notes)
         places = {name: self.place(name) for name in wanted}
         columns = self._columns(places, notes)

@@ -32,6 +32,11 @@ _CLOCK = rf"^(?:(?P<days>-?\d{{1,5}}) days?,?\s+\+?)?(?P<sign>-?){_OF_DAY}$"  # 
 # dates and times without marks between their numbers, and with them
 _CLOSE = r"^(\d{4})(\d{2})(\d{2})[Tt _](\d{2})(\d{2})(\d{2})"
 _APART = r"\1-\2-\3T\4:\5:\6"
+# of digits alone, milliseconds among them; no number of seconds since 1970, nor of parts of these, is like it within 200 years
+_DIGITS = (
+    r"^((?:19|20)\d{2})(0[1-9]|1[0-2])(0[1-9]|[12]\d|3[01])([01]\d|2[0-3])([0-5]\d)([0-5]\d)(?:[.,](\d+)|(\d{3}))?$"
+)
+_DIGITS_APART = r"\1-\2-\3T\4:\5:\6.\7\8"
 # weekdays and months before the day: Sun, 31 Mar 2024; Mar 31, 2024; Sun Mar 31 13:59:57 2024
 _DAY_LAST = (
     (r"^(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun),?\s+", ""),
@@ -59,7 +64,7 @@ def _kind(text: str) -> str:
 
 def _in_order(text: str) -> str:
     """A date that `_STAMP` knows, where a text is one."""
-    text = re.sub(_CLOSE, _APART, text)
+    text = re.sub(_DIGITS, _DIGITS_APART, re.sub(_CLOSE, _APART, text))
     if text[:1].isalpha():
         for written, read in _DAY_LAST:
             text = re.sub(written, read, text)
@@ -68,7 +73,7 @@ def _in_order(text: str) -> str:
 
 def has_time_of_day(cells: Iterable[str]) -> bool:
     """Whether texts that are dates have a time of day."""
-    return any(":" in cell or re.match(_CLOSE, cell.strip()) for cell in cells)
+    return any(":" in cell or re.match(_CLOSE, cell.strip()) or re.match(_DIGITS, cell.strip()) for cell in cells)
 
 
 def has_zone(cells: Iterable[str]) -> bool:
@@ -132,7 +137,7 @@ def seconds(cells: Any, kind: str, order: str | None = None) -> np.ndarray:
     cells = pc.utf8_trim_whitespace(cells)
     if kind == "clock":
         return _clock(cells)
-    cells = pc.replace_substring_regex(cells, _CLOSE, _APART)
+    cells = pc.replace_substring_regex(pc.replace_substring_regex(cells, _CLOSE, _APART), _DIGITS, _DIGITS_APART)
     for zone in (None, "UTC"):
         try:
             exact = cells.cast(pa.timestamp("ns", tz=zone)).cast(pa.int64())

@@ -19,6 +19,7 @@ KINDS = {
         "warning",
         "the file ends in the middle of a line, behind a value with fewer decimals or digits than those before: it may be cut off; left out",
     ),
+    "header": ("warning", "rows have more fields than the header has names"),
     "comment": ("warning", "lines of comment between the rows; left out"),
     "no time": ("error", "rows without a readable time; left out"),
     "clock jump": ("error", "single times that jump away and come back; left out"),
@@ -29,6 +30,8 @@ KINDS = {
         "times before 1980 or after 2100: the logger's clock was not set, or its unit is wrong; those beyond any calendar are left out",
     ),
     "midnight": ("warning", "times of day pass midnight; taken as those of the next day"),
+    "counter": ("warning", "the counter of the time ran over; taken to go on"),
+    "twelve hours": ("warning", "times of a clock of twelve hours"),
     "clock change": ("warning", "times step by an hour: the clock was changed, as for summer time"),
     "files begin anew": (
         "warning",

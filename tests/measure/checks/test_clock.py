@@ -299,3 +299,29 @@ def test_a_clock_that_ticks_more_slowly_than_rows_come_is_named():
     assert "interval between rows" in str(next(iter(clock.findings)))
     _, _, _, clock = checked(np.repeat(STEADY, 2)[:-1])
     assert "interval between rows" not in str(next(iter(clock.findings)))
+
+
+@pytest.mark.parametrize("blocks", [1, 3, 50])
+@pytest.mark.parametrize(
+    ("size", "step", "factor"), [(2**16, 400, 1e-3), (2**32, 10_000, 1e-6), (2**32 / 1e6, 0.01, 1.0)]
+)
+def test_a_counter_that_runs_over_goes_on(blocks, size, step, factor):
+    true = 0.999 * size + step * np.arange(300.0 if step == 400 else 1000.0)
+    read = np.round(np.mod(true, size), 6)
+    kept, gaps, findings, _ = checked(read, blocks=blocks, factor=factor)
+    assert kept == pytest.approx(true * factor, rel=1e-9)
+    anew = np.flatnonzero(np.diff(read) < 0.0) + 2
+    assert anew.size
+    assert (gaps, findings) == ([], [("counter", [(row, row) for row in anew.tolist()])])
+
+
+@pytest.mark.parametrize("blocks", [1, 3])
+def test_what_to_do_about_times_that_begin_anew_or_fall_is_said(blocks):
+    def said(time):
+        return checked(time, blocks=blocks)[3].findings.of("overlap")[0].detail
+
+    twice = said(np.concatenate([STEADY, STEADY[:50]]))
+    assert twice.startswith(
+        "in row 101 the time falls from 0.99 to 0 s; if recordings were put one behind the other, cut"
+    )
+    assert said(STEADY[::-1]).endswith("times fall from row to row: turn the rows of the log round, the last one first")

@@ -19,6 +19,9 @@ _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is non
 _FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
 _MOST_ROWS = 1e4  # of a table between two samples: us read as s make a million, which fill a disk
+# numbers after which counters begin anew: of 16, 24 and 32 bits, and of us and ms in 32 bits as larger units
+_COUNTERS = (2.0**16, 2.0**24, 2.0**32, 2.0**32 / 1e3, 2.0**32 / 1e6)
+_FALLING = 0.5  # share of the steps of a log that runs backwards
 _ANOTHER_UNIT = 500.0  # times the raster of a table, or that part of it: s and ms are a thousand apart
 
 
@@ -88,6 +91,10 @@ class Clock:
         self._alone = np.zeros(0, dtype=np.int64)
         self._n_interval = self._n_irregular = 0
         self._n_row = self._n_same = 0
+        self._n_fall = 0
+        self._fell = ""
+        # the last number as the log has it, its usual step, and what later ones are larger by
+        self._counted, self._usual, self._wrapped = np.nan, 0.0, 0.0
         self._irregular: list[int] = []
 
     def rows(self, blocks: Iterator[LogBlock]) -> Iterator[ClockedRows]:
@@ -96,6 +103,7 @@ class Clock:
         for block in blocks:
             if not len(block.rows):
                 continue
+            block = self._beyond_counters(block)
             joined = block if waiting is None else _join(waiting, block)
             if len(joined.rows) > 1:
                 yield self._check(_part(joined, slice(None, -1)), self._times(_part(joined, slice(-1, None)))[0])
@@ -103,6 +111,35 @@ class Clock:
         if waiting is not None:
             yield self._check(waiting, np.nan)
         self._end()
+
+    def _beyond_counters(self, block: LogBlock) -> LogBlock:
+        """Times that go on where a counter has begun anew: a step later than its last number, as near as makes no difference."""
+        if block.time is None:
+            return block
+        place = np.flatnonzero(np.isfinite(block.time))
+        given = block.time[place]
+        steps = np.diff(given, prepend=self._counted)
+        self._counted = float(given[-1]) if given.size else self._counted
+        rising, falling = steps[steps > 0.0], np.flatnonzero(steps < 0.0)
+        self._usual = float(np.median(rising)) if rising.size else self._usual
+        for size in _COUNTERS if falling.size else ():
+            beyond = steps[falling] + size
+            anew = falling[(beyond > 0.0) & (beyond <= JOIN * self._usual)]
+            if anew.size:
+                self.findings.add_rows(
+                    "counter", self.name, block.rows[place[anew]], f"after {size:.10g} it begins anew"
+                )
+                later = np.zeros(len(given))
+                later[anew] = size
+                given = given + np.cumsum(later)
+                break
+        added = given + self._wrapped
+        self._wrapped += float(given[-1] - block.time[place[-1]]) if given.size else 0.0
+        if np.array_equal(added, block.time[place]):
+            return block
+        time = block.time.copy()
+        time[place] = added
+        return block._replace(time=time)
 
     def _times(self, block: LogBlock) -> np.ndarray:
         if block.time is None:
@@ -131,6 +168,10 @@ class Clock:
         behind, same = t < highest, t == highest
         f.add_rows("time repeats", self.name, rows[place[same]])
         self._n_row, self._n_same = self._n_row + t.size, self._n_same + int(same.sum())
+        self._n_fall += int((np.diff(t) < 0.0).sum())
+        if behind.any() and not self._fell:
+            k = int(np.flatnonzero(behind)[0])
+            self._fell = f"in row {rows[place][k]} the time falls from {highest[k]:.10g} to {t[k]:.10g} s"
         self._note_behind(rows[place], behind)
         keep = ~behind & ~same
         place, t = place[keep], t[keep]
@@ -214,6 +255,11 @@ class Clock:
 
     def _end(self) -> None:
         self.findings.add_rows("clock jump", self.name, self._alone)
+        if self.findings.of("overlap", self.name):
+            advice = "if recordings were put one behind the other, cut the file there, and import the files together"
+            if self._n_fall > _FALLING * self._n_row:
+                advice = "times fall from row to row: turn the rows of the log round, the last one first"
+            self.findings.add("overlap", self.name, f"{self._fell}; {advice}")
         if self._n_same > 0.5 * self._n_row:
             detail = (
                 "the clock ticks more slowly than rows come: leave it out, and give the interval between rows instead"

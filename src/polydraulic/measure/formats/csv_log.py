@@ -17,7 +17,8 @@ def open_csv(path: Path, dates: str | None = None) -> Log:
         for block in file.read(wanted, time, findings):
             yield LogBlock(*block)
 
-    forms = ("{} ({})", "{}/{}", "{}/({})", "{} in {}", "{}, {}")  # as their heads may have them
+    # as their heads may have them
+    forms = ("{} ({})", "{}/{}", "{}/({})", "{} in {}", "{}, {}", "{} - {}", "{} <{}>", "{} {{{}}}", "[{1}] {0}")
     also = {form.format(s.name, s.unit): s for s in signals if s.unit for form in forms}
     return Log(path, signals, False, read, twice, also=also)
 
