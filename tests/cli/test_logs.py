@@ -59,6 +59,15 @@ def test_sensors_to_begin_with_explain_every_key(call):
         assert re.search(rf"\b{key}\b", explained), key
 
 
+def test_full_strokes_are_asked_for_of_random_operators_alone(call):
+    call("record --example --out s.toml")
+    code, out, err = call("record task random:1:9:0.5 --full-stroke --sensors s.toml --out log.csv")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: --full-stroke gives random operators their voltage, random:SEED:SECONDS; task, random:1:9:0.5 have their own\n"
+    )
+
+
 def test_a_recording_is_not_written_over_by_what_is_recorded_of_it(call, tmp_path):
     recorded = "time,swing,boom,stick\n0,0,0.5,0\n1,0,0.4,0\n"
     (tmp_path / "r2.csv").write_text(recorded)

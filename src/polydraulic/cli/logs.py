@@ -203,6 +203,9 @@ def record(
     bench, plant = load_sensors(sensors), load_machine(machine)
     bench = bench if seed is None else replace(bench, seed=seed)
     given = [at_full_stroke(name, plant) for name in scenario] if full_stroke else scenario
+    if full_stroke and given == scenario:
+        own = f"{', '.join(scenario)} {'have their' if len(scenario) > 1 else 'has its'} own"
+        raise InputError(f"--full-stroke gives random operators their voltage, random:SEED:SECONDS; {own}")
     what = [load_scenario(name, functions=plant.names) for name in given]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))
