@@ -30,6 +30,7 @@ def test_networks_go_along_with_what_is_exported(call, logs, tmp_path):
     code, out, _ = call(line)
     assert code == 0
     assert "worn_c.h" in out
+    assert "it tests itself: gcc -std=c99 -DWORN_C_SELF_TEST worn_c/worn_c.c -lm, and run" in out
     header = (tmp_path / "worn_c" / "worn_c.h").read_text(encoding="utf-8")
     assert "int worn_c_kind(const worn_c_state *w);" in header
 

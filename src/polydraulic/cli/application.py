@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -79,6 +80,14 @@ def say_written(*paths: Path | None) -> None:
     for path in paths:
         if path is not None:
             print(f"{path}: written")
+
+
+def say_self_test(source: Path) -> None:
+    """How exported C is tried."""
+    print(
+        f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {quote(str(source))} -lm, and run what comes of it: exit code 0 where it answers "
+        "as the package does"
+    )
 
 
 def check_endings(out: Path, card: Path | None) -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,6 +14,7 @@ from polydraulic.cli.application import (
     check_endings,
     joined,
     keep_fit,
+    say_self_test,
     say_written,
     values_by_name,
 )
@@ -244,11 +244,7 @@ def export(
         written = export_models(models, to, out, name=name, real=real, cross=cross, progress=progress)
     print(written)
     if to == "c":
-        source = written.files[1]
-        print(
-            f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {quote(str(source))} -lm, and run what comes of it: exit code 0 where it answers "
-            "as the package does"
-        )
+        say_self_test(written.files[1])
 
 
 @app.command()

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import app, say_written
+from polydraulic.cli.application import app, say_self_test, say_written
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -98,6 +98,9 @@ def watch(
     asked = networks_for(networks, found.of, found.expected) if networks is not None and export else None
     for path in export or ():
         watch, name = FaultWatch(found.of, found.expected, rate, asked), c_name(path.stem)
-        print(export_watch_fmu(watch, path, name=name) if path.suffix else export_watch(watch, path, name=name))
+        written = export_watch_fmu(watch, path, name=name) if path.suffix else export_watch(watch, path, name=name)
+        print(written)
+        if not path.suffix:
+            say_self_test(written.files[1])
     if strict and found.faulty:
         raise typer.Exit(1)
