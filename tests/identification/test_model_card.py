@@ -9,6 +9,7 @@ import pytest
 from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
 from polydraulic.identification import fit_table, write_card
+from polydraulic.identification.model_card import _coverage_of
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
 
@@ -65,6 +66,19 @@ def test_names_that_are_no_formulas_are_drawn_and_written_letter_by_letter(odd, 
     page = (tmp_path / "card.html").read_text()
     assert all(escape(name) in page for name in (a, b, f"{y} [bar]"))
     assert page.count("data:image/svg+xml") == 3
+
+
+@pytest.mark.parametrize(
+    ("inputs", "words"),
+    [
+        (["a"], "<p>How many rows lie where.</p>"),
+        (["a", "b"], "for every pair of inputs:"),
+        (["a", "b", "c", "d", "e", "f"], "for every pair of the first 5 of 6 inputs:"),
+    ],
+)
+def test_the_picture_of_rows_says_what_it_shows(inputs, words):
+    rng = np.random.default_rng(1)
+    assert words in _coverage_of(inputs, Table({name: rng.uniform(size=50) for name in inputs}, {}))
 
 
 def test_a_card_says_that_inputs_do_not_determine_an_output(tmp_path):

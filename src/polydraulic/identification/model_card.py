@@ -31,6 +31,7 @@ from polydraulic.tables import Table, began, shown_table
 SCHEMA = 1
 _SHOWN = 12  # regions whose network is drawn and written out
 _BINS = 20  # of the coverage map
+_PAIRED = 5  # inputs of which it shows all pairs
 _EFFORT = 200  # sub-boxes a region, of the proofs
 _PER_LAYER = 0.75  # inches of a drawing, that its boxes stand side by side
 
@@ -306,15 +307,17 @@ def _columns(data: dict[str, Any], units: str) -> str:
 
 
 def _coverage_of(inputs: Sequence[str], table: Table) -> str:
-    return f"""{_picture(_coverage(inputs, table))}
-<p>Where the rows lie, for every pair of inputs: the brighter, the more rows, white where nothing was seen.</p>"""
+    shown = inputs[:_PAIRED]
+    of = "inputs" if len(shown) == len(inputs) else f"the first {len(shown)} of {len(inputs)} inputs"
+    pairs = f"Where the rows lie, for every pair of {of}: the brighter, the more rows, white where nothing was seen."
+    return f"""{_picture(_coverage(shown, table))}
+<p>{pairs if len(inputs) > 1 else "How many rows lie where."}</p>"""
 
 
-def _coverage(inputs: Sequence[str], table: Table) -> Any:
-    """Histograms of all pairs of inputs."""
+def _coverage(names: Sequence[str], table: Table) -> Any:
+    """Histograms of all pairs of inputs, or of the one there is."""
     from matplotlib.figure import Figure
 
-    names = inputs[:5]
     n = max(len(names) - 1, 1)
     figure = Figure(figsize=(3.0 * n, 2.6 * n), layout="constrained")
     axes = figure.subplots(n, n, squeeze=False)

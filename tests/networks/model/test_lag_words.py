@@ -32,6 +32,8 @@ def test_models_of_the_same_lags_share_a_note_and_static_ones_have_none():
         "and lets the output change from the last one y by -1 to 2.5, z by -1 to 2.5 at most"
     )
     assert len(dynamic_notes([dynamic("y", ("u", 1)), dynamic("z", ("u", 2), raster=None)])) == 2
+    (angle,) = dynamic_notes([replace(dynamic("y", ("u", 1)), output=Variable("y", "rad"))])
+    assert angle.endswith("y by -1 to 2.5 rad at most")
 
 
 def test_what_is_known_of_strengths_is_said():
@@ -41,7 +43,9 @@ def test_what_is_known_of_strengths_is_said():
     said = strength_in_words(known)
     assert "by 3.4% both ways and 5.1% of one way against the other" in said
     assert "for about 51.2 s;" in said
-    assert "for about 2.56e+03 rows;" in strength_in_words(replace(known, raster=None))
+    assert "stays for about 2560 rows;" in strength_in_words(replace(known, raster=None))
+    lasting = replace(known, strength=replace(known.strength, memory=2.5e6))
+    assert "stays for hours;" in strength_in_words(lasting)
     first, second = dynamic_notes([replace(model, dynamics=known), dynamic("y", ("u", 1))])
     assert first.startswith("dynamic, a function")
     assert second.startswith("boom: as strong as in the mean; whoever knows")

@@ -6,6 +6,8 @@ from itertools import pairwise
 from polydraulic.networks.model.lags import Dynamics
 from polydraulic.networks.model.model import Model
 
+_HOURS = 7200.0  # s; beyond, no log tells how long
+
 
 def lags_in_words(dynamics: Dynamics) -> str:
     """What a dynamic model reads, and when: "valve 0, 1; pressure 1 to 3 rows ago"."""
@@ -20,10 +22,13 @@ def strength_in_words(dynamics: Dynamics) -> str:
     known = dynamics.strength
     if known is None:
         return ""
-    lasts = f"{known.memory:.3g} rows" if dynamics.raster is None else f"{known.memory * dynamics.raster:.3g} s"
+    seconds = None if dynamics.raster is None else known.memory * dynamics.raster
+    lasts = f"for about {known.memory:.0f} rows" if seconds is None else f"for about {seconds:.3g} s"
+    if seconds is not None and seconds > _HOURS:
+        lasts = "for hours"
     return (
         f"its strength differs from one time to another by {known.spread:.1%} both ways and {known.lean:.1%} of one way against the other (standard "
-        f"deviations), and stays for about {lasts}; a run that restarts goes by what measured rows show"
+        f"deviations), and stays {lasts}; a run that restarts goes by what measured rows show"
     )
 
 
@@ -36,7 +41,8 @@ def dynamic_notes(models: Sequence[Model]) -> list[str]:
             continue
         low, high = model.dynamics.step
         raster = "" if model.dynamics.raster is None else f", rows {model.dynamics.raster:g} s apart"
-        change = f"{model.output.name} by {low:.6g} to {high:.6g}"
+        unit = f" {model.output.unit}" if model.output.unit not in ("", "1") else ""
+        change = f"{model.output.name} by {low:.6g} to {high:.6g}{unit}"
         steps.setdefault(lags_in_words(model.dynamics) + raster, []).append(change)
     found = [
         f"dynamic, a function of lagged values: {lags}. Whoever calls it shifts them from row to row, and lets "
