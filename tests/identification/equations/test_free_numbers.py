@@ -18,6 +18,12 @@ def test_all_that_can_be_fitted_is_free_if_nothing_is_said(loader):
     assert not found.has("gravity")
 
 
+def test_pumps_that_a_crossover_joins_can_be_fitted_as_others_can():
+    machine = load_machine("cat215b_crossover")
+    found = freedom(machine, {}, [])
+    assert {f"{c.pump_path}.flow" for c in machine.circuits} <= set(found.spreads)
+
+
 def test_patterns_choose_paths(loader):
     name = loader.names[0]
     found = freedom(loader, {}, [f"functions.{name}.valve.*", "gravity"])

@@ -10,6 +10,8 @@ from polydraulic.units import read_unit
 
 CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
 SPREADS = {"flow": 0.1, "relief": 0.05, "torque_limit_start": 0.1}  # shares, where a file gives none
+PUMPS = ("pump", "giving", "taking")  # tables of a circuit that are one, those of a crossover among them
+PUMP_NUMBERS = ("flow", "relief", "torque_limit_start")
 # what keeps a spool from where its pilot drives it, and where it stands below a function; a file need not declare it
 EFFECTS = {"hysteresis": "valve.hysteresis", "shift": "valve.flow_force.spring_rate"}
 _PILOT = ("gain", "time_constant", "dead_time")
@@ -50,7 +52,7 @@ def fitted_here(path: str) -> bool:
     if is_effect(path):
         return True
     if parts[0] == "circuits":
-        return parts[-2] == "pump" and parts[-1] in ("flow", "relief", "torque_limit_start")
+        return parts[-2] in PUMPS and parts[-1] in PUMP_NUMBERS
     return parts[0] == "functions" and (
         (parts[-2] == "valve" and parts[-1] in (*CURVES, "knots")) or (parts[-2] == "pilot" and parts[-1] in _PILOT)
     )

@@ -35,6 +35,9 @@ def test_curves_pumps_and_pilots_are_left_unless_they_were_found():
     limited = machine.circuit("work").pump.torque_limit_enabled
     assert ("circuits.work.pump.torque_limit_start" in left) == limited
     assert not so_far.kept
+    joined = load_machine("cat215b_crossover")
+    left = entries_left(SoFar(joined, freedom(joined, {}, ()), "identified from a log"), ())
+    assert {f"{c.pump_path}.flow" for c in joined.circuits} <= set(left)
     named = SoFar(machine, freedom(machine, {}, ["functions.lift.*"]), "identified from a log")
     left = entries_left(named, ())
     assert "functions.lift.friction.coulomb" in left

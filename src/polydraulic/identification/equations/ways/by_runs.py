@@ -10,7 +10,7 @@ import numpy as np
 from polydraulic.display import amount
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.finished import Finished
-from polydraulic.identification.equations.free_numbers import CURVES
+from polydraulic.identification.equations.free_numbers import CURVES, PUMP_NUMBERS, PUMPS
 from polydraulic.identification.equations.numbers.spreads import spreads_of
 from polydraulic.identification.equations.pilot_fit import told_dead_time
 from polydraulic.identification.equations.shooting.fit import ShootingFit, fit_by_shooting
@@ -24,7 +24,7 @@ WAY = "through simulation"
 SECONDS, MOST_WINDOWS = 2.0, 64
 _SHOWN = {
     "valve": CURVES,
-    "pump": ("flow", "relief", "torque_limit_start"),
+    **dict.fromkeys(PUMPS, PUMP_NUMBERS),
     "pilot": ("gain", "time_constant", "dead_time"),
     "friction": ("coulomb", "static", "viscous"),
     "line": ("compliance_a", "compliance_b", "leakage"),
