@@ -9,6 +9,7 @@ from helpers.mat_made import opaque
 TIME = np.arange(60) * 0.01
 PRESSURE = np.round(100.0 + 10.0 * np.sin(20.0 * TIME), 3)
 RAW = (10.0 * PRESSURE).astype(np.uint16)
+LEAST = np.where(np.arange(60) == 30, np.iinfo(np.int64).min, np.arange(60))
 READ, REFUSED = "read", "refused"
 MARKED = "<!-- what MDF, MAT, CAN and ROS logs hold -->"
 
@@ -146,6 +147,7 @@ KINDS = {
         "names of states without a scaling: their numbers": (mdf([("p", RAW % 2, STATES)]), "p", READ),
         "one name in two groups: `p`, `group1/p`": (mdf([("p", PRESSURE, None)], [("p", PRESSURE, None)]), "group1/p", READ),
         "the first of two of one name, as `p`": (mdf([("p", PRESSURE, None)], [("p", PRESSURE, None)]), "p", ("duplicate",)),
+        "the least 64-bit integer among others": (mdf([("p", LEAST, None)]), "p", ("infinite",)),
         "a group without rows beside others": (mdf([("p", PRESSURE, None)], [("q", PRESSURE[:0], None)]), "p", ("not read",)),
         "a group over an angle, a distance or an index": (mdf([("p", PRESSURE, None)], master=("crank", 2)), "p", REFUSED),
         "a formula of `+`, `-`, `*`, `/` and brackets": (mdf([("p", RAW, {"formula": "X1*0.1"})]), "p", READ),
@@ -160,6 +162,8 @@ KINDS = {
         "Simulink's structure with time, v7.3": (
             v73(out__time=TIME[None], out__signals__values=PRESSURE[None]), "out.signals.values", READ),
         "empty arrays, sparse and complex matrices, cells beside others": (v5(**BOTH, empty=np.zeros((0, 3))), "p", ("not read",)),
+        "texts, one for each row, beside others": (v5(**BOTH, state=np.array(["on", "off"] * 30)), "p", ("not read",)),
+        "the least 64-bit integer among others": (v5(time=TIME, p=LEAST), "p", ("infinite",)),
         "objects (timetable, timeseries, string), v5 to v7": (with_object("timetable", **BOTH), "p", ("not read",)),
         "objects (timetable, timeseries, string), v7.3": (
             v73(**BOTH, tt=(np.ones((1, 6), dtype=np.uint32), {"MATLAB_class": b"timetable", "MATLAB_object_decode": 3})),

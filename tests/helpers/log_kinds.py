@@ -1,6 +1,7 @@
 """What text and Parquet logs look like out there, and what is to come of each: the tests run it, the documentation lists it."""
 
 import gzip
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -166,6 +167,11 @@ def parquet_tables():
         "times of day": (pa.table({"time": pa.array(ms.astype(np.int32), pa.time32("ms")), "p": p}), READ),
         "times as strings": (pa.table({"time": [f"2024-03-31 {clock(t, 40000.0)}" for t in TIME], "p": p}), READ),
         "03/04/2024 as strings": (pa.table({"time": [f"03/04/2024 {clock(t, 40000.0)}" for t in TIME], "p": p}), REFUSED),
+        "dates and times of day in columns side by side": (
+            pa.table({"date": pa.array([date(2024, 3, 31)] * 60), "time": pa.array(ms.astype(np.int32), pa.time32("ms")), "p": p}), READ),
+        "fields of records, as `record.field`, beside others": (
+            pa.table({"time": TIME, "p": p, "record": pa.array([{"field": 1.0}] * 60)}), READ),
+        "a column that has no name": (pa.table([pa.array(TIME), p, p], names=["time", "p", ""]), ("not read",)),
         "ns since 1970 as 64-bit integers": (pa.table({"time": day * 1_000_000, "p": p}), READ),
         "the least or largest 64-bit integer": (pa.table({"time": TIME, "p": sentinel}), ("text",)),
         "on and off as strings": (pa.table({"time": TIME, "p": ["on" if i % 7 < 3 else "off" for i in range(60)]}), ("on and off",)),

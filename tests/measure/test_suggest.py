@@ -178,3 +178,31 @@ def test_the_first_column_may_be_the_time_by_its_unit(tmp_path, header, unit):
     assert f'role = "time"\nunit = "{unit}"\n' in suggest_channels(log)
     log.write_text(f"time,{header}\n" + "".join(f"{k},{k},{k % 7}\n" for k in range(50)))
     assert 'source = "time"\nrole = "time"' in suggest_channels(log)
+
+
+@pytest.mark.parametrize(
+    ("header", "step", "time"),
+    [
+        ("Time since start,p", 0.01, True),
+        ("", 0.01, True),
+        ("x,p", 1.0, False),  # it counts the rows
+        ("sample,p", 2.0, False),
+    ],
+)
+def test_a_first_column_that_rises_evenly_is_the_time_and_the_map_says_that_its_unit_is_a_guess(
+    tmp_path, header, step, time
+):
+    log = tmp_path / "log.csv"
+    log.write_text(f"{header}\n" * bool(header) + "".join(f"{step * k:.2f},{1.5 + k % 7}\n" for k in range(50)))
+    text = suggest_channels(log)
+    assert ('role = "time"' in text) == time
+    assert ("taken as the time, as it rises evenly; the log does not tell the unit" in text) == time
+    assert ('interval = "10 ms"' in text) != time
+
+
+def test_the_unit_of_a_time_that_says_none_is_a_guess_and_said_to_be_one(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("time,p\n" + "".join(f"{10 * k},{k % 7}\n" for k in range(50)))
+    assert 'unit = "s"\n# the log does not tell the unit: look whether rasters come out right' in suggest_channels(log)
+    log.write_text("time [s],p\n" + "".join(f"{10 * k},{k % 7}\n" for k in range(50)))
+    assert "does not tell the unit" not in suggest_channels(log)

@@ -35,6 +35,7 @@ _UNIT_NAME = re.compile(
 _X_NAME = re.compile(r"(?i)^x[ _-]?(value|axis)$")  # of the first column, as LabVIEW and oscilloscopes call the time
 _COUNTER = re.compile(r"(?i)^(column 1|unnamed: \d+|index|row|no\.?|nr\.?|#|samples?|scan|record|point|n|count|id)$")
 # 7.8 s; steps below it are days, where the numbers can be: as s they were more than 10,000 rows a second, which no log has
+_EVEN, _EVEN_ROWS = 0.1, 20  # share by which steps of a time may differ, and of those that differ more; rows that tell
 _LEAST_DAY = 9e-5
 _SINCE_1970 = ((1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
@@ -167,9 +168,28 @@ def _time_of(log: Log) -> Signal | None:
     typed = [s for s in log.signals if s.kind]
     units = [s for s in log.signals if _UNIT_NAME.match(s.name.strip()) and _known(s.unit or "s") == "s"]
     units = units or [s for s in log.signals[:1] if _known(s.unit) == "s" or _X_NAME.match(s.name.strip())]
-    both = [s for s in named if s.kind] or named or typed or units
+    both = [s for s in named if s.kind] or named or typed or units or _rising(log)
     # of a date and a time of day that stand side by side the second one is named
     return next((s for s in both if not (s.beside and s.kind == "stamp")), both[0] if both else None)
+
+
+def _says_time(signal: Signal) -> bool:
+    """Whether a signal is the time by its name."""
+    name = signal.name.strip()
+    return any(pattern.match(name) for pattern in (_TIME_NAME, _UNIT_NAME, _X_NAME))
+
+
+def _rising(log: Log) -> list[Signal]:
+    """The first column, if it rises by about the same from row to row and does not count the rows; MAT and Parquet may have it anywhere."""
+    first = log.signals[0]
+    block = next(iter(log.read(first.group, [first.name], None, Findings())), None)
+    value = np.zeros(0) if block is None else block.values[first.name]
+    steps = np.diff(value)
+    counts = first.name != "column 1" and _COUNTER.match(first.name.strip())
+    if steps.size < _EVEN_ROWS or not (steps > 0.0).all() or counts:
+        return []
+    even = np.abs(steps - np.median(steps)) <= _EVEN * np.median(steps)
+    return [first] if even.mean() > 1.0 - _EVEN and not (steps == 1.0).all() else []
 
 
 def _unit_of_time(log: Log, time: Signal) -> str:
@@ -196,6 +216,9 @@ def _time_lines(log: Log, time: Signal, unit: str) -> list[str]:
     lines = ['role = "time"', f"unit = {_text(unit)}"]
     if time.kind:
         lines[1] += "  # the log has " + {"stamp": "dates", "clock": "times of day", "elapsed": "durations"}[time.kind]
+    elif _known(time.unit) != "s" and unit == "s":
+        seen = "" if _says_time(time) else "taken as the time, as it rises evenly; "
+        lines.append(f"# {seen}the log does not tell the unit: look whether rasters come out right")
     date = time if time.doubt else next((s for s in log.signals if s.name == time.beside and s.doubt), None)
     if date is not None:
         lines.append(f"# {_text(date.doubt)} can be read in two ways; say which:")

@@ -7,7 +7,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log
 from polydraulic.measure.channels import channel_map
 
-NAMED = {"status", "not read", "short frame", "duplicate", "text", "stamps", "unstamped"}
+NAMED = {"status", "not read", "short frame", "duplicate", "text", "stamps", "unstamped", "infinite"}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Every format gives the same numbers, block by block."""
 
 import gzip
+import re
 
 import numpy as np
 import pytest
@@ -125,6 +126,9 @@ def test_blocks_follow_each_other(tmp_path, ending):
     [
         ("a.xls", b"x", "a log ends in one of .*; save the sheet as .csv"),
         ("a.lvm", b"x", "a text of columns is read as .csv"),
+        ("a.h5", b"x", "HDF5 with a data set for each signal is read as .mat"),
+        ("a.feather", b"x", "is written as .parquet by pyarrow"),
+        ("a.trc", b"x", "frames of a CAN bus are read as .asc or .blf"),
         ("a.dat", b"MDF     3.30 nonsense", "cannot be read as an MDF log"),
         ("a.dat", b"\0\1\2", "cannot be read as an MDF log"),
         ("a.dat", b"", "cannot be read as an MDF log"),
@@ -191,15 +195,30 @@ def test_rows_without_a_clock_take_the_interval_of_the_map(tmp_path):
     assert len(found.findings) == 0
 
 
-def test_parquet_columns_of_lists_and_structures_are_left_out_by_name(tmp_path):
+def test_parquet_columns_of_lists_are_left_out_by_name_and_fields_of_records_are_signals(tmp_path):
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     path = tmp_path / "log.parquet"
-    parts = {"time": [0.0, 0.01], "p": [[1.0, 2.0], [3.0, 4.0]], "q": [{"value": 1.0}, {"value": 2.0}]}
+    record = pa.array([{"a": 1.0, "b": {"c": 3, "d": [1]}}, None])
+    parts = {"time": [0.0, 0.01], "p": [[1.0, 2.0], [3.0, 4.0]], "q": record, "r": [5.0, 6.0]}
     pq.write_table(pa.table(parts), path)
     log = open_log(path)
-    assert [signal.name for signal in log.signals] == ["time"]
-    assert list(log.left_out) == ["p", "q"]
-    with pytest.raises(InputError, match="channel 'p' cannot be read: values of kind list<"):
-        log.signal("p")
+    assert [signal.name for signal in log.signals] == ["time", "q.a", "q.b.c", "r"]
+    assert list(log.left_out) == ["p", "q.b.d"]
+    for name in ("p", "p.x", "p[0]"):
+        with pytest.raises(InputError, match=re.escape(f"channel '{name}' cannot be read: values of kind list<")):
+            log.signal(name)
+    with pytest.raises(InputError, match="no channel 'pq'"):
+        log.signal("pq")
+    (block,) = log.read(0, ["q.b.c", "r", "q.a"], "time", Findings())
+    assert block.values["q.b.c"].tolist()[0] == 3.0
+    assert np.isnan([block.values[name][1] for name in ("q.a", "q.b.c")]).all()
+    assert block.values["r"].tolist() == [5.0, 6.0]
+
+
+def test_a_folder_of_parquet_files_is_told_from_a_bag(tmp_path):
+    (tmp_path / "log.parquet").mkdir()
+    (tmp_path / "log.parquet" / "part-0.parquet").write_bytes(b"x")
+    with pytest.raises(InputError, match=r"a folder of Parquet files: give these, as in '.*\*\.parquet'"):
+        open_log(tmp_path / "log.parquet")

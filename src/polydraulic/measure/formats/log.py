@@ -1,5 +1,6 @@
 """A log as its file holds it: signals in groups of common rows, read block by block."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -116,8 +117,16 @@ class Log:
                 return signal
         if name in self.also:
             return self.also[name]
-        if name in self.left_out:
-            raise InputError(f"{self.path}: channel {name!r} cannot be read: {self.left_out[name]}")
+        left = next(
+            (
+                out
+                for out in (name, *self.left_out)
+                if out in self.left_out and re.match(rf"{re.escape(out)}([.\[/]|$)", name)
+            ),
+            None,
+        )
+        if left is not None:
+            raise InputError(f"{self.path}: channel {name!r} cannot be read: {self.left_out[left]}")
         names = [s.name for s in self.signals]
         shown = f"{names[:30]}" + (f" and {len(names) - 30} more" if len(names) > 30 else "")
         raise InputError(f"{self.path}: no channel {name!r}; the log has {shown}")

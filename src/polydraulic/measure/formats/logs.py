@@ -25,6 +25,12 @@ ENDINGS = (
 _BUS = (".mf4", ".blf", ".asc")
 _SHEETS = (".xlsx", ".xls", ".xlsm", ".xlsb", ".ods")
 _PACKED = (".zip", ".bz2", ".xz", ".7z", ".zst", ".tar", ".tgz", ".rar")
+_OTHERS = dict.fromkeys((".h5", ".hdf5", ".hdf"), "HDF5 with a data set for each signal is read as .mat")
+_OTHERS |= dict.fromkeys(
+    (".feather", ".arrow", ".ipc"), "an Arrow file is written as .parquet by pyarrow.parquet.write_table"
+)
+_OTHERS |= {".log": "a text of columns is read as .csv, frames of a CAN bus as .asc or .blf"}
+_OTHERS |= {".trc": "frames of a CAN bus are read as .asc or .blf", ".json": "write the rows as .csv"}
 _BAGS = (".mcap", ".db3", ".bag")
 
 
@@ -46,6 +52,8 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
         No such file, another ending, a file that is not what its ending says.
     """
     path = Path(path)
+    if path.is_dir() and any(path.glob("*.parquet")) and not (path / "metadata.yaml").exists():
+        raise InputError(f"{path}: a folder of Parquet files: give these, as in {str(path / '*.parquet')!r}")
     if path.is_dir() and not dbc:
         from polydraulic.measure.formats.ros.bag_log import open_bag
 
@@ -53,6 +61,7 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
     ending = next((e for e in ENDINGS if path.name.lower().endswith(e)), None)
     if ending is None:
         hint = "save the sheet as .csv" if path.suffix.lower() in _SHEETS else "a text of columns is read as .csv"
+        hint = _OTHERS.get(path.suffix.lower(), hint)
         hint = "unpack it" if path.suffix.lower() in _PACKED else hint
         hint = "a text of columns that gzip packed is read as .csv.gz" if path.suffix.lower() == ".gz" else hint
         raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}; {hint}")

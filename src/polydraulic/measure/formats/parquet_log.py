@@ -1,6 +1,7 @@
-"""Parquet logs: one group of rows; units from the metadata of the fields."""
+"""Parquet logs: one group of rows; units from the metadata of the fields. Fields of records are signals ``record.field``."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -25,27 +26,35 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
 
     try:
         with pq.ParquetFile(path) as file:
-            schema, n_row = file.schema_arrow, file.metadata.num_rows
+            given, n_row = file.schema_arrow, file.metadata.num_rows
     except (pa.ArrowException, OSError, UnicodeError) as error:
         raise InputError(f"{path}: cannot be read as a Parquet log ({_said(error)})") from error
     if n_row == 0:
         raise InputError(f"{path}: the log has no rows")
+    schema = _flat_schema(given)
     fields: dict[str, Any] = {}
     for f in schema:
         fields.setdefault(f.name, f)  # of columns of one name the first is read
     left_out = {f.name: _nested(f.type) for f in schema if pa.types.is_nested(f.type)}
+    left_out |= {f"column {n}": "it has no name: give it one" for n, name in enumerate(given.names, 1) if not name}
     kinds = {f.name: _kind(path, f) for f in fields.values() if not pa.types.is_nested(f.type)}
     orders = {name: _order(path, name, kind, dates) for name, kind in kinds.items() if _is_text(fields[name].type)}
     doubts = {name: "" if order.settled else order.example for name, order in orders.items()}
+    besides = _besides(list(schema))
     signals, twice = once(
-        [Signal(f.name, _unit(f), 0, kinds[f.name], doubt=doubts.get(f.name, "")) for f in schema if f.name in kinds]
+        [
+            Signal(f.name, _unit(f), 0, kinds[f.name], besides.get(f.name, ""), doubts.get(f.name, ""))
+            for f in schema
+            if f.name in kinds
+        ]
     )
     if not signals:
-        raise InputError(f"{path}: the log has no columns of single values; it has {schema.names}")
+        raise InputError(f"{path}: the log has no columns of single values; it has {given.names}")
 
     def read(group: int, wanted: Sequence[str], time: str | None, findings: Findings) -> Iterator[LogBlock]:
         begun = 0
-        names = list(dict.fromkeys([*([time] if time else []), *wanted]))
+        beside = besides.get(time or "")
+        names = list(dict.fromkeys([name for name in (time, beside, *wanted) if name]))
         texts = {
             name: _Texts(path, name, kinds[name], orders[name], findings)
             for name in names
@@ -55,7 +64,7 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
             texts[time].refuse_doubt(path)
         local = None
         if time and kinds[time] and not getattr(fields[time].type, "tz", None) and not _elapsed(fields[time]):
-            local = LocalClock(time, kinds[time] == "clock", findings)
+            local = LocalClock(time, kinds[time] == "clock" and not beside, findings)
         for batch in _batches(path, names):
             of = {}
             for name in names:
@@ -63,7 +72,7 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
                 of[name] = texts[name].numbers(column) if name in texts else numbers(column)
             rows = np.arange(begun, begun + batch.num_rows) + 1
             begun += batch.num_rows
-            at = of[time][0] if time else None
+            at = of[time][0] + (of[beside][0] if beside else 0.0) if time else None
             yield LogBlock(
                 rows,
                 at if at is None or local is None else local.times(at, rows),
@@ -75,15 +84,50 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
     return Log(path, signals, False, read, twice, left_out=left_out)
 
 
-def _nested(kind: Any) -> str:
-    """Why a column of records or lists is none, and what to do."""
+def _flat_schema(schema: Any) -> Any:
+    """The schema with a field for each of those of records, whose names are those of both, parted by a point; without columns that have no name."""
     import pyarrow as pa
 
-    how = (
-        "pyarrow.Table.flatten() makes a column of each field" if pa.types.is_struct(kind) else "write one number a row"
-    )
+    fields: list[Any] = []
+    waiting = list(schema)
+    while waiting:
+        field = waiting.pop(0)
+        if pa.types.is_struct(field.type):
+            waiting = [part.with_name(f"{field.name}.{part.name}") for part in field.type] + waiting
+        elif field.name:
+            fields.append(field)
+    return pa.schema(fields)
+
+
+def _flat(batch: Any) -> Any:
+    """A batch with the fields of its records as columns."""
+    import pyarrow as pa
+
+    if not any(pa.types.is_struct(kind) for kind in batch.schema.types):
+        return batch
+    table = pa.Table.from_batches([batch])
+    while any(pa.types.is_struct(kind) for kind in table.schema.types):
+        table = table.flatten()
+    return table.combine_chunks().to_batches()[0]
+
+
+def _besides(fields: Sequence[Any]) -> dict[str, str]:
+    """Of dates without a time of day and times of day in columns side by side, the name of the one to that of the other."""
+    import pyarrow as pa
+
+    found: dict[str, str] = {}
+    for one, other in pairwise(fields):
+        for date, clock in ((one, other), (other, one)):
+            if pa.types.is_date(date.type) and pa.types.is_time(clock.type):
+                found.setdefault(date.name, clock.name)
+                found.setdefault(clock.name, date.name)
+    return found
+
+
+def _nested(kind: Any) -> str:
+    """Why a column of lists is none, and what to do."""
     said = str(kind)
-    return f"values of kind {said if len(said) <= _SHOWN else said[:_SHOWN] + '...'}, not single numbers: {how}"
+    return f"values of kind {said if len(said) <= _SHOWN else said[:_SHOWN] + '...'}, not single numbers: write one number a row"
 
 
 def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:
@@ -96,7 +140,7 @@ def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:
         try:
             for batch in file.iter_batches(BLOCK, columns=list(names)):
                 begun += batch.num_rows
-                yield batch
+                yield _flat(batch)
         except (pa.ArrowException, OSError) as error:
             raise InputError(f"{path}: damaged after row {begun} ({_said(error)})") from error
 

@@ -10,6 +10,7 @@ EMPTY = "an empty array"
 SPARSE = "a sparse matrix: save p = full(p)"
 CELL = "a cell array: save what is in it, as p = c{1}"
 COMPLEX = "complex numbers: save real(z) or abs(z)"
+TEXTS = "texts: save numbers, times as seconds(t - t(1))"
 CUBE = "an array of more than two dimensions: save matrices of it, as p = a(:, :, 1)"
 # what MATLAB must be asked for, since only MATLAB reads its objects
 _HINTS = {

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.measure.formats.floats import as_floats
 from polydraulic.measure.formats.mat.arrays import (
     CELL,
     COMPLEX,
@@ -13,6 +14,7 @@ from polydraulic.measure.formats.mat.arrays import (
     DEEPEST,
     EMPTY,
     SPARSE,
+    TEXTS,
     Arrays,
     axis_of_time,
     labels,
@@ -40,7 +42,7 @@ def arrays_of_hdf(path: Path) -> Arrays:
     def read(name: str, begun: int, end: int) -> np.ndarray:
         item, axis, place = kept.where[name]
         part = item[(*place[:axis], slice(begun, end), *place[axis:])]
-        return np.asarray(part, dtype=np.float64)
+        return as_floats(part)
 
     return Arrays(kept.lengths, kept.left_out, read, file.close)
 
@@ -87,6 +89,8 @@ class _Kept:
             self.left_out[name] = CELL
         elif isinstance(item, self.library.Dataset) and kind != "char":
             self._dataset(name, item, rows, deep)
+        elif kind == "char" and len(item.shape) == 2 and min(item.shape) > 1:  # a single text is a remark
+            self.left_out[name] = TEXTS
 
     def _again(self, name: str, item: Any) -> bool:
         """Whether an item was looked at before: one that holds itself would never come to an end."""

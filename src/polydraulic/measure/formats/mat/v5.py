@@ -8,6 +8,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.files import Scratch
+from polydraulic.measure.formats.floats import as_floats
 from polydraulic.measure.formats.mat.arrays import (
     CELL,
     COMPLEX,
@@ -15,6 +16,7 @@ from polydraulic.measure.formats.mat.arrays import (
     DEEPEST,
     EMPTY,
     SPARSE,
+    TEXTS,
     Arrays,
     axis_of_time,
     labels,
@@ -42,7 +44,11 @@ def arrays_of_v5(path: Path) -> Arrays:
     scratch = Scratch()
     kept = _Kept(scratch)
     for name, shape, kind, object_kind in listed:
-        if kind == "char" or not name or name.startswith("__"):  # texts, and MATLAB's own bookkeeping
+        if not name or name.startswith("__"):  # MATLAB's own bookkeeping
+            continue
+        if kind == "char":
+            if shape[0] > 1:  # a single one is a remark
+                kept.left_out[name] = TEXTS
             continue
         if kind == "opaque":
             kept.left_out[name] = object_of(object_kind)
@@ -104,8 +110,10 @@ class _Kept:
 
     def _array(self, name: str, item: np.ndarray, rows: int | None) -> None:
         if item.dtype.kind not in "fiubc":
-            if item.dtype.kind not in "US":  # texts are no signals, and nobody takes them for any
+            if item.dtype.kind not in "US":
                 self.left_out[name] = object_of("")
+            elif item.size > 1:  # a single text is a remark
+                self.left_out[name] = TEXTS
         elif item.size == 0:
             self.left_out[name] = EMPTY
         elif item.dtype.kind == "c":
@@ -119,5 +127,5 @@ class _Kept:
             for number, label in enumerate(labels(name, columns.shape[1])):
                 self.files[label] = self.scratch.folder / str(len(self.files))
                 with self.scratch.writing():
-                    columns[:, number].astype(np.float64).tofile(self.files[label])
+                    as_floats(columns[:, number]).tofile(self.files[label])
                 self.lengths[label] = len(columns)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic.measure.formats.floats import as_floats
 from polydraulic.measure.formats.status_text import StatusText, no_value, states
 
 _VALUES_TO_TEXT, _RANGES_TO_TEXT, _BITS_TO_TEXT = 7, 8, 11  # of MDF 4
@@ -142,4 +143,4 @@ def _text(item: bytes | str) -> str:
 
 def _numbers(samples: Any) -> np.ndarray | None:
     samples = np.asarray(samples)
-    return samples.astype(np.float64) if samples.ndim == 1 and samples.dtype.kind in "fiub" else None
+    return as_floats(samples) if samples.ndim == 1 and samples.dtype.kind in "fiub" else None
