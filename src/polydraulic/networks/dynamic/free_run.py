@@ -9,17 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import driver
+from polydraulic._kernel import driver, kernel
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.joint_strength import (
-    STATES,
-    STRONGEST,
-    WEAKEST,
-    Belief,
-    StrengthNumbers,
-    after_window,
-    strength_numbers,
-)
+from polydraulic.networks.dynamic.joint_strength import StrengthNumbers, strength_numbers
+from polydraulic.networks.dynamic.rows import STATES, OutputLimits, answer, begin_strength, see_row, strength_of
 from polydraulic.networks.dynamic.spans import Span, answered, spans_of
 from polydraulic.networks.model.lags import Dynamics
 from polydraulic.networks.model.model import Model, pack_models
@@ -40,11 +33,8 @@ class Loop(NamedTuple):
     n_lag: np.ndarray  # (n_output,) int64
     column: np.ndarray  # (n_output, width) int64: which signal each input of the model is
     steps: np.ndarray  # (n_output, width) int64: and how long ago
-    low: np.ndarray  # (n_output,) smallest change of an output from row to row
-    high: np.ndarray
-    ends: np.ndarray  # (n_output, 2) between which an output stays
-    rows: np.ndarray  # (n_output,) int64: of a window that shows how strong a joint is; 0 without a strength
-    numbers: np.ndarray  # (n_output, 4) `StrengthNumbers`
+    limits: np.ndarray  # (n_output, 4) `OutputLimits`
+    numbers: np.ndarray  # (n_output, 5) `StrengthNumbers`
 
 
 def dynamics_of(model: Model) -> Dynamics:
@@ -54,6 +44,23 @@ def dynamics_of(model: Model) -> Dynamics:
             f"the model of {model.output.name!r} is static: it has no lags; fit a DynamicRegressor, or polydraulic fit --dynamic"
         )
     return model.dynamics
+
+
+def limits_of(model: Model) -> OutputLimits:
+    """How far a dynamic model's output may go, and in one row."""
+    down, up = dynamics_of(model).step
+    return OutputLimits(down, up, min(n.y_low for n in model.networks), max(n.y_high for n in model.networks))
+
+
+@kernel
+def _limits(loop: Loop, k: int) -> OutputLimits:
+    return OutputLimits(loop.limits[k, 0], loop.limits[k, 1], loop.limits[k, 2], loop.limits[k, 3])
+
+
+@kernel
+def _numbers(loop: Loop, k: int) -> StrengthNumbers:
+    n = loop.numbers
+    return StrengthNumbers(n[k, 0], n[k, 1], n[k, 2], n[k, 3], n[k, 4])
 
 
 def prepare_loop(models: Sequence[Model], signals: Sequence[str]) -> Loop:
@@ -75,8 +82,6 @@ def prepare_loop(models: Sequence[Model], signals: Sequence[str]) -> Loop:
     for k, one in enumerate(dynamics):
         column[k, : n_lag[k]] = [signals.index(lag.signal) for lag in one.lags]
         steps[k, : n_lag[k]] = [lag.steps for lag in one.lags]
-    strengths = [one.strength for one in dynamics]
-    networks = [model.networks for model in models]
     return Loop(
         table=table,
         root=np.array([moved(r.root, f) for r, f in zip(regions, firsts, strict=False)], dtype=np.int64),
@@ -88,11 +93,8 @@ def prepare_loop(models: Sequence[Model], signals: Sequence[str]) -> Loop:
         n_lag=n_lag,
         column=column,
         steps=steps,
-        low=np.array([one.step[0] for one in dynamics]),
-        high=np.array([one.step[1] for one in dynamics]),
-        ends=np.array([(min(n.y_low for n in some), max(n.y_high for n in some)) for some in networks]),
-        rows=np.array([0 if one is None else one.rows for one in strengths], dtype=np.int64),
-        numbers=np.array([(0.0,) * 4 if one is None else strength_numbers(one) for one in strengths]),
+        limits=np.array([limits_of(model) for model in models]),
+        numbers=np.array([strength_numbers(one.strength) for one in dynamics]),
     )
 
 
@@ -102,7 +104,7 @@ def _follow(
 ) -> None:  # fmt: skip
     """Strengths `found` (n_window, n_output, 2), upwards and downwards, at the start of windows from rows measured `since`.
 
-    `states` (n_output, STATES): belief, then sums over the rows of a window that is not over: rates, their sizes, travel, rows, and rows at an end.
+    `states` (n_output, STATES) is what `see_row` keeps of a joint.
     """
     n_output = found.shape[1]
     first, t = signals.shape[1] - n_output, -1
@@ -110,38 +112,21 @@ def _follow(
         if w == 0 or since[w] != since[w - 1] or start[w] < t:
             t = since[w]
             for k in range(n_output):
-                for i in range(states.shape[1]):
-                    states[k, i] = 0.0
-                states[k, 2] = loop.numbers[k, 0] * loop.numbers[k, 0]
-                states[k, 4] = loop.numbers[k, 1] * loop.numbers[k, 1]
+                begin_strength(states[k], _numbers(loop, k))
         while t < start[w]:
             for k in range(n_output):
-                if loop.rows[k] == 0:
+                if loop.numbers[k, 4] == 0.0:
                     continue
-                s = states[k]
                 for i in range(loop.n_lag[k]):
                     work[i] = signals[t - loop.steps[k, i], loop.column[k, i]]
                 regions = Regions(loop.root[k], loop.depth, loop.axis, loop.at, loop.below, loop.above)
                 y = evaluate(loop.table, choose(regions, work), work)
-                last = signals[t - 1, first + k]
-                rate = min(max(y, last + loop.low[k]), last + loop.high[k]) - last
-                s[5] += rate
-                s[6] += abs(rate)
-                s[7] += signals[t, first + k] - last
-                s[8] += 1.0
-                s[9] += 1.0 if y <= loop.ends[k, 0] or y >= loop.ends[k, 1] else 0.0
-                if s[8] >= loop.rows[k]:
-                    numbers = StrengthNumbers(
-                        loop.numbers[k, 0], loop.numbers[k, 1], loop.numbers[k, 2], loop.numbers[k, 3]
-                    )
-                    path = s[6] if s[9] == 0.0 else 0.0  # a joint at its end does not follow its valve
-                    belief = after_window(Belief(s[0], s[1], s[2], s[3], s[4]), numbers, s[5], path, s[7])
-                    s[0], s[1], s[2], s[3], s[4] = belief
-                    s[5], s[6], s[7], s[8], s[9] = 0.0, 0.0, 0.0, 0.0, 0.0
+                last, measured = signals[t - 1, first + k], signals[t, first + k]
+                see_row(states[k], _limits(loop, k), _numbers(loop, k), y, last, measured)
             t += 1
         for k in range(n_output):
-            found[w, k, 0] = min(max(1.0 + states[k, 0] + states[k, 1], WEAKEST), STRONGEST)
-            found[w, k, 1] = min(max(1.0 + states[k, 0] - states[k, 1], WEAKEST), STRONGEST)
+            found[w, k, 0] = strength_of(states[k, 0], states[k, 1])
+            found[w, k, 1] = strength_of(states[k, 0], -states[k, 1])
 
 
 @driver
@@ -161,10 +146,7 @@ def _run(
                 regions = Regions(loop.root[k], loop.depth, loop.axis, loop.at, loop.below, loop.above)
                 y = evaluate(loop.table, choose(regions, work), work)
                 last = found[t - 1, k] if t > start[w] else signals[t - 1, first + k]
-                factor = strength[w, k, 0] if y > last else strength[w, k, 1]
-                if factor != 1.0:
-                    y = min(max(last + factor * (y - last), loop.ends[k, 0]), loop.ends[k, 1])
-                found[t, k] = min(max(y, last + loop.low[k]), last + loop.high[k])
+                found[t, k] = answer(_limits(loop, k), strength[w, k, 0], strength[w, k, 1], y, last)
 
 
 def strengths_before(
@@ -184,7 +166,7 @@ def strengths_before(
     """
     ends = np.array(windows, dtype=np.int64).reshape(-1, 2)
     found = np.ones((len(ends), len(loop.root), 2))
-    if since is not None and loop.rows.any():
+    if since is not None and loop.numbers[:, 4].any():
         states, work = np.zeros((len(loop.root), STATES)), np.zeros(work_size(loop.table))
         _follow(loop, signals, np.array(since, dtype=np.int64), ends[:, 0].copy(), found, states, work)
     return found

@@ -20,7 +20,6 @@ from polydraulic.elementary import log
 from polydraulic.networks.model.lags import JointStrength
 
 WEAKEST, STRONGEST = 0.5, 2.0  # factors of a rate
-STATES = 10  # numbers kept of a joint: its belief, and sums over the rows of a window
 _FREEDOM = 2.0  # degrees of freedom of errors
 _MOVED = 1e-3  # of the joint's range: windows with less travel say nothing of its strength
 _OUTLASTS = 5.0  # runs: the shortest memory
@@ -34,6 +33,7 @@ class StrengthNumbers(NamedTuple):
     lean: float
     kept: float  # share of a deviation that is left a window later
     noise: float
+    rows: float  # of a window; 0 of a joint that is always as strong as in the mean
 
 
 class Belief(NamedTuple):
@@ -46,11 +46,12 @@ class Belief(NamedTuple):
     var_lean: float
 
 
-def strength_numbers(strength: JointStrength) -> StrengthNumbers:
+def strength_numbers(strength: JointStrength | None) -> StrengthNumbers:
     """What kernels read of a model's strength."""
-    return StrengthNumbers(
-        strength.spread, strength.lean, float(np.exp(-strength.rows / strength.memory)), strength.noise
-    )
+    if strength is None:
+        return StrengthNumbers(0.0, 0.0, 0.0, 0.0, 0.0)
+    kept = float(np.exp(-strength.rows / strength.memory))
+    return StrengthNumbers(strength.spread, strength.lean, kept, strength.noise, float(strength.rows))
 
 
 @kernel
@@ -63,7 +64,8 @@ def belief_variance(belief: Belief, net: float, path: float) -> float:
 @kernel
 def after_window(belief: Belief, numbers: StrengthNumbers, net: float, path: float, travel: float) -> Belief:
     """The belief a window later; one in which the joint hardly moved lets time pass and no more."""
-    both, lean, var_both, covariance, var_lean = belief
+    both, lean = belief.both, belief.lean
+    var_both, covariance, var_lean = belief.var_both, belief.covariance, belief.var_lean
     if path > numbers.noise:
         error = travel - net - both * net - lean * path
         unsure, noise = belief_variance(belief, net, path), numbers.noise * path
