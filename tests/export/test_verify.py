@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from helpers.running_joints import joints
 from polydraulic.errors import InputError
 from polydraulic.export import agreement_table, build, fresh, targets, verify, verify_models
 from polydraulic.networks import Model
@@ -41,6 +42,44 @@ def test_all_targets_agree(exported_models):
         "verified: python, c double, c float, fmi2 me, fmi2 cs, fmi3 me, fmi3 cs, onnx double give what the package gives, "
         "c float within what is proved of it"
     )
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_models_that_run_are_compared_row_by_row():
+    found, not_tried = verify_models(joints(), n=30)
+    rows = {a.target for a in found if a.target.endswith(" run")}
+    assert rows == {"c run", "fmi2 run", "fmi3 run"}
+    assert not any(a.target.startswith("fmi") for a in found if a.target not in rows)
+    assert all(
+        (a.inside, a.border, a.outside, a.slopes, a.domain) == (0.0, None, None, None, None)
+        for a in found
+        if a.target in rows
+    )
+    assert all(a.holds for a in found)
+    assert agreement_table(found, not_tried).splitlines()[2 + len(found) - 1].split()[-5:] == ["0", "-", "-", "-", "-"]
+    without = {a.target for a in verify_models(joints(raster=None), n=30)[0]}
+    assert {"c run", "fmi3 me", "fmi3 cs"} <= without
+    assert "fmi3 run" not in without
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_a_run_that_differs_is_told(monkeypatch):
+    right = fresh.run_texts
+
+    def wrong(*given):
+        return {
+            name: text.replace("last + limits.up)", "last + 0.5 * limits.up)") for name, text in right(*given).items()
+        }
+
+    monkeypatch.setattr(fresh, "run_texts", wrong)
+    found, _ = verify_models(joints(), n=30)
+    assert {a.target for a in found if not a.holds} == {"c run"}
+    monkeypatch.setattr(
+        fresh, "run_texts", lambda *given: {name: text + "oh no" for name, text in right(*given).items()}
+    )
+    found, not_tried = verify_models(joints(), n=30)
+    assert not_tried["c run"].startswith("fails: ")
+    assert {(a.target, a.inside) for a in found if not a.holds} == {("c run", np.inf)}
 
 
 def test_differences_are_shown_in_the_unit_of_the_output_and_borders_that_round_are_no_fault():
@@ -122,7 +161,7 @@ def test_of_many_networks_nothing_is_proved_unless_asked_for(exported_models, mo
 
 
 def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):
-    monkeypatch.setattr(verify, "_targets", lambda whole, folder, prove: [
+    monkeypatch.setattr(verify, "_targets", lambda whole, run, folder, prove: [
         ("nan", True, lambda X: fresh.Answers(np.full((len(X), 1), np.nan)))])  # fmt: skip
     found, _ = verify_models(exported_models["single"], n=60)
     assert found[0].inside == np.inf

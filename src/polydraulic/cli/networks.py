@@ -260,6 +260,8 @@ def verify(
 ) -> None:
     """Export a model to every target that can be built here, and compare them with the package at thousands of points.
 
+    Dynamic models run row by row besides, as C and, where rows have a raster, as FMUs.
+
     Prints the largest difference of every output in its unit, of slopes and of the domain, what was not tried, and in the last line
     whether all is well. The exit code is 1 if a target of double precision does not agree to rounding, or C in single precision not within what is proved of it.
 

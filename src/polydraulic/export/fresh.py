@@ -17,7 +17,9 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.build import compile_program, find_compiler
+from polydraulic.export.c.run import Run, RunTrial, run_texts
 from polydraulic.export.c.source import to_c
+from polydraulic.export.c.text import DOUBLE
 from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.model_bundle import Bundle
 from polydraulic.export.onnx.model import export_onnx
@@ -72,6 +74,46 @@ def run_c(whole: Bundle, folder: Path, real: str, prove: bool, X: np.ndarray) ->
 
 def run_fmu(whole: Bundle, folder: Path, version: int, kind: str, X: np.ndarray) -> Answers:
     """The exported FMU through FMPy in a new interpreter."""
+    place, n, m = _unpacked(whole, folder, version), len(whole.inputs), len(whole.models)
+    job = {"kind": "fmu", "place": place, "version": version, "fmi_type": kind, "n_inputs": n, "n_outputs": m}
+    return _interpreted(folder, job, X)
+
+
+def run_c_rows(whole: Bundle, run: Run, folder: Path, trial: RunTrial) -> Answers:
+    """The exported run in a C program, through rows that are measured and on by itself."""
+    command, name = _compiler(), whole.name
+    header, source = to_c(whole)
+    text = {f"{name}.h": header, f"{name}.c": source, **run_texts(whole, run, DOUBLE)}
+    main = Template(files(__package__).joinpath("templates", "fresh_run.c.txt").read_text(encoding="utf-8"))
+    n, m = len(run.inputs), len(run.outputs)
+    text["own_main.c"] = main.substitute(name=name, n=n, m=m, measured=trial.measured, inputs="own_row, " if n else "")
+    program, rows, answers = (folder / f"own_{what}_run" for what in ("program", "points", "answers"))
+    try:
+        compile_program(command, text, [f"{name}.c", f"{name}_run.c", "own_main.c"], program)
+    except InputError as error:
+        raise FailedError(str(error)) from error
+    np.ascontiguousarray(trial.signals).tofile(rows)
+    _run([str(program), str(rows), str(answers)], folder)
+    return Answers(np.fromfile(answers).reshape(-1, m))
+
+
+def run_fmu_rows(whole: Bundle, run: Run, folder: Path, version: int, trial: RunTrial) -> Answers:
+    """The exported FMU of a run through FMPy in a new interpreter, a row a step."""
+    place, n, m = _unpacked(whole, folder, version), len(run.inputs), len(run.outputs)
+    job = {"kind": "fmu_rows", "place": place, "version": version, "n_signals": n + m, "n_outputs": m}
+    return _interpreted(folder, {**job, "raster": run.raster, "measured": trial.measured}, trial.signals)
+
+
+def run_onnx(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> Answers:
+    """The exported graph through ONNX Runtime in a new interpreter."""
+    _need("onnx")
+    _need("onnxruntime")
+    path = export_onnx(whole.models, folder / f"own_{real}.onnx", name=whole.name, real=real).main
+    return _interpreted(folder, {"kind": "onnx", "place": str(path), "real": real}, X)
+
+
+def _unpacked(whole: Bundle, folder: Path, version: int) -> str:
+    """Folder of the exported FMU."""
     _need("fmpy")
     _compiler()
     import fmpy
@@ -83,20 +125,7 @@ def run_fmu(whole: Bundle, folder: Path, version: int, kind: str, X: np.ndarray)
         except InputError as error:
             raise FailedError(str(error)) from error
         fmpy.extract(str(path), unzipdir=str(place))
-    return _interpreted(
-        folder,
-        {"kind": "fmu", "place": str(place), "version": version, "fmi_type": kind, "n_inputs": len(whole.inputs),
-         "n_outputs": len(whole.models)},
-        X,
-    )  # fmt: skip
-
-
-def run_onnx(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> Answers:
-    """The exported graph through ONNX Runtime in a new interpreter."""
-    _need("onnx")
-    _need("onnxruntime")
-    path = export_onnx(whole.models, folder / f"own_{real}.onnx", name=whole.name, real=real).main
-    return _interpreted(folder, {"kind": "onnx", "place": str(path), "real": real}, X)
+    return str(place)
 
 
 def _need(package: str) -> None:

@@ -26,7 +26,7 @@ _KEYWORDS = (
 _ELSEWHERE = (
     "main near far huge small hyper interface pascal cdecl min max IN OUT OPTIONAL CONST VOID BOOL INT TRUE FALSE ERROR DELETE "  # of Windows
     "numpy scipy sympy mpmath onnx onnxruntime fmpy pandas matplotlib polydraulic "  # modules that run beside an exported one
-    "clamp sigmoid ramp not_a_number"  # helpers of exported files
+    "clamp sigmoid ramp not_a_number minimum maximum"  # helpers of exported files
 )
 _OTHER_PRECISIONS = re.compile(r"\w+f(32|64|128)x?(_r)?")  # sinf32, lgammaf128_r: as the C library names its variants
 _FILES = frozenset(  # without ending, in any case: headers, sources of an FMU, devices of Windows

@@ -98,7 +98,8 @@ def is_file(to: str, out: str | Path) -> bool:
 def _python(whole: Bundle) -> str:
     """A function per output, without dependencies."""
     functions = zip(whole.models, whole.identifiers()[1], strict=True)
-    return "\n\n".join(to_python(model, name) for model, name in functions)
+    notes = "".join(f"# {one_line(note)}\n" for note in dynamic_notes(whole.models))
+    return "\n\n".join([*([notes] if notes else []), *(to_python(model, name) for model, name in functions)])
 
 
 def _sympy(whole: Bundle) -> str:
@@ -108,7 +109,7 @@ def _sympy(whole: Bundle) -> str:
     texts = [srepr(to_sympy(model)) for model in whole.models]
     used = {node.id for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     lines = [f'"""{whole.name} as SymPy expressions, valid inside the domain."""', ""]
-    lines += [f"# {_about(m)}" for m in whole.models]
+    lines += [f"# {line}" for m in whole.models for line in (_about(m), *map(one_line, dynamic_notes([m])))]
     lines += ["", "", "def own_expressions():", f"    from sympy import {', '.join(sorted(used - {_PAIR}))}"]
     lines += ["    from sympy.core.parameters import distribute"]
     lines += [f"    from sympy.functions.elementary.piecewise import {_PAIR}"] if _PAIR in used else []
@@ -124,5 +125,8 @@ def _about(model: Model) -> str:
 
 def _latex(whole: Bundle) -> str:
     """Display mathematics, for a document with amsmath."""
-    parts = [f"% {_about(model)}; needs \\usepackage{{amsmath}}\n\\[\n{to_latex(model)}\\]\n" for model in whole.models]
+    parts = []
+    for model in whole.models:
+        notes = "".join(f"% {one_line(note)}\n" for note in dynamic_notes([model]))
+        parts.append(f"% {_about(model)}; needs \\usepackage{{amsmath}}\n{notes}\\[\n{to_latex(model)}\\]\n")
     return "\n".join(parts)

@@ -11,8 +11,19 @@ from polydraulic.display import DEFAULT, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.c.allowance import model_allowance
 from polydraulic.export.c.network import input_limits
+from polydraulic.export.c.run import Run, run_of, try_run
 from polydraulic.export.c.text import FLOAT
-from polydraulic.export.fresh import Answers, FailedError, NotHereError, run_c, run_fmu, run_onnx, run_python
+from polydraulic.export.fresh import (
+    Answers,
+    FailedError,
+    NotHereError,
+    run_c,
+    run_c_rows,
+    run_fmu,
+    run_fmu_rows,
+    run_onnx,
+    run_python,
+)
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import Scratch
 from polydraulic.networks.model.model import Model
@@ -20,6 +31,7 @@ from polydraulic.networks.model.partition import region_of
 from polydraulic.progress import Progress, quiet
 
 ROUNDING = 1e-9  # of an output's size: what double precision may differ by
+_ROWS = 500  # of a run that are answered
 PROVED = 16  # networks, at most, whose allowance in single precision is proved unless asked for: hundreds take minutes
 
 
@@ -32,7 +44,8 @@ class Agreement(NamedTuple):
     output : str
         Name and unit.
     inside, border, outside : float
-        Largest difference in the output's unit, by where the points lie; infinite if it gives no number.
+        Largest difference in the output's unit, by where the points lie; infinite if it gives no number. Of a run, row by row, the first is
+        that of its rows, and there are no others.
     slopes : float or None
         Largest difference of a slope, as a share of the largest slope by that input, in single precision away from borders;
         None if the target has none.
@@ -55,8 +68,8 @@ class Agreement(NamedTuple):
     target: str
     output: str
     inside: float
-    border: float
-    outside: float
+    border: float | None
+    outside: float | None
     slopes: float | None
     domain: int | None
     size: float
@@ -74,7 +87,7 @@ class Agreement(NamedTuple):
         """
         if not self.exact:
             return self.used is None or self.used <= 1.0
-        largest = max(self.inside, self.border, self.outside, (self.slopes or 0.0) * self.size)
+        largest = max(self.inside, self.border or 0.0, self.outside or 0.0, (self.slopes or 0.0) * self.size)
         return largest <= ROUNDING * self.size and not self.domain
 
 
@@ -126,22 +139,23 @@ def verify_models(
     prove = count <= PROVED if prove is None else prove
     if not prove:
         not_tried["proof of c float"] = f"of {count} networks it takes long: ask for it by --prove (prove=True)"
+    run = run_of(whole)
     double, single = (_expected(whole, n, seed, dtype) for dtype in (np.float64, np.float32))
     with Scratch() as scratch:
-        targets = list(_targets(whole, scratch.folder, prove))
-        for done, (target, exact, run) in enumerate(targets):
-            progress(target, done, len(targets))
+        rows = [] if run is None else list(_runs(whole, run, scratch.folder))
+        targets = list(_targets(whole, run, scratch.folder, prove))
+        for done, (target, exact, give) in enumerate(targets):
+            progress(target, done, len(targets) + len(rows))
             X, expected = double if exact else single
-            try:
-                answers = run(X)
-            except NotHereError as reason:
-                not_tried[target] = str(reason)
-                continue
-            except FailedError as reason:  # written, but it does not run: no number
-                not_tried[target] = f"fails: {reason}"
-                answers = Answers(np.full_like(expected.y, np.nan))
-            compared = _compared(whole, target, exact, expected, answers)
-            found += _judged(whole, X, expected, answers, compared) if target == "c float" and prove else compared
+            answers = _tried(target, partial(give, X), expected.y, not_tried)
+            if answers is not None:
+                compared = _compared(whole, target, exact, expected, answers)
+                found += _judged(whole, X, expected, answers, compared) if target == "c float" and prove else compared
+        for done, (target, y, go) in enumerate(rows, len(targets)):
+            progress(target, done, len(targets) + len(rows))
+            answers = _tried(target, go, y, not_tried)
+            if answers is not None:
+                found += _rows_compared(whole, target, y, answers.y)
     return found, not_tried
 
 
@@ -167,7 +181,8 @@ def agreement_table(found: Sequence[Agreement], not_tried: dict[str, str], units
     lines.append(f"{'':{width}s}" + "".join(f"{title:>12s}" for title in titles))
     for name, a in zip(names, found, strict=True):
         slopes = "-" if a.slopes is None else f"{a.slopes:.2g}"
-        numbers = "".join(f"{_difference(value, a, units):12.2g}" for value in (a.inside, a.border, a.outside))
+        values = (a.inside, a.border, a.outside)
+        numbers = "".join(f"{'-' if v is None else f'{_difference(v, a, units):.2g}':>12s}" for v in values)
         lines.append(f"{name:{width}s}{numbers}{slopes:>12s}{_domain(a):>12s}{'' if a.holds else '  DIFFERS'}")
     lines += [
         f"{name}: {a.used:.2g} of the proved allowance of {_difference(a.allowance, a, units):.2g} used, borders included"
@@ -236,6 +251,27 @@ def _expected(whole: Bundle, n: int, seed: int, dtype: Any) -> tuple[np.ndarray,
     return X, _Expected(whole.predict(X), whole.slopes(X), whole.outside(X))
 
 
+def _tried(target: str, give: Callable[[], Answers], expected: np.ndarray, not_tried: dict[str, str]) -> Answers | None:
+    """What a target answers; nothing where it cannot be tried here, and no number where it fails, with the reason in `not_tried`."""
+    try:
+        return give()
+    except NotHereError as reason:
+        not_tried[target] = str(reason)
+        return None
+    except FailedError as reason:  # written, but it does not run
+        not_tried[target] = f"fails: {reason}"
+        return Answers(np.full_like(expected, np.nan))
+
+
+def _rows_compared(whole: Bundle, target: str, expected: np.ndarray, found: np.ndarray) -> Iterator[Agreement]:
+    off = np.abs(found - expected)
+    off[np.isnan(off)] = np.inf
+    for output, far, size in zip(
+        whole.outputs, off.max(axis=0).tolist(), np.abs(expected).max(axis=0).tolist(), strict=True
+    ):
+        yield Agreement(target, str(output), far, None, None, None, None, size or 1.0, True, unit=output.unit)
+
+
 def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, found: Answers) -> Iterator[Agreement]:
     n, size = len(expected.y), np.abs(expected.y).max(axis=0)
     difference = np.abs(found.y - expected.y)
@@ -280,13 +316,24 @@ def _judged(
         yield agreement._replace(allowance=allowance, used=used / allowance if allowance else used and np.inf)
 
 
-def _targets(whole: Bundle, folder: Path, prove: bool) -> Iterator[tuple[str, bool, Callable[[np.ndarray], Answers]]]:
-    """Name, whether it is in double precision, and what runs it."""
+def _targets(
+    whole: Bundle, run: Run | None, folder: Path, prove: bool
+) -> Iterator[tuple[str, bool, Callable[[np.ndarray], Answers]]]:
+    """Name, whether it is in double precision, and what answers at points; FMUs of models that run do not."""
     yield "python", True, partial(run_python, whole, folder)
     for real in ("double", "float"):
         yield f"c {real}", real == "double", partial(run_c, whole, folder, real, prove)
-    for version in (2, 3):
+    for version in (2, 3) if run is None or run.raster is None else ():
         for kind, short in (("ModelExchange", "me"), ("CoSimulation", "cs")):
             yield f"fmi{version} {short}", True, partial(run_fmu, whole, folder, version, kind)
     for real in ("double", "float"):
         yield f"onnx {real}", real == "double", partial(run_onnx, whole, folder, real)
+
+
+def _runs(whole: Bundle, run: Run, folder: Path) -> Iterator[tuple[str, np.ndarray, Callable[[], Answers]]]:
+    """Name of each target that runs row by row, what the package answers, and what runs it."""
+    trial = try_run(whole, run, _ROWS)
+    yield "c run", trial.answers, partial(run_c_rows, whole, run, folder, trial)
+    if run.raster is not None:
+        for version in (2, 3):
+            yield f"fmi{version} run", trial.answers, partial(run_fmu_rows, whole, run, folder, version, trial)

@@ -1,4 +1,4 @@
-"""Models as C99: one header and one source, no allocation, no input or output, no state.
+"""Models as C99: one header and one source, no allocation, no input or output, no state; dynamic ones also as a run (`run`).
 
 A few networks are straight-line code, more are tables (`answers`). Three functions: outputs; outputs with exact slopes; how far the inputs lie outside the domain. Each says what an input
 that is not a number does. Behind a macro the source tests itself with numbers that the package computed.
@@ -6,12 +6,14 @@ that is not a number does. Behind a macro the source tests itself with numbers t
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.c.allowance import allowance_lines, model_allowance, prove_allowances
 from polydraulic.export.c.answers import answering_code, form_lines, numbers_row, region_call, value_call
+from polydraulic.export.c.run import run_note, run_of, run_texts
 from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, inner_ends, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
@@ -22,6 +24,7 @@ from polydraulic.networks.model.nodes import SIGMOID
 from polydraulic.progress import Progress, quiet
 
 _VECTORS = 24
+_WIDTH = 120
 
 
 def export_c(
@@ -49,7 +52,7 @@ def export_c(
     Returns
     -------
     Exported
-        Header and source.
+        Header and source; of dynamic models also those of a run row by row.
 
     Raises
     ------
@@ -57,12 +60,16 @@ def export_c(
         If the models do not go together, a number or a value does not fit into a float, or the folder cannot be written.
     """
     whole = bundle(models, name=name)
-    files = tuple(Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c"))
+    run = run_of(whole)
     if real == "float":
         prove_allowances(whole.models, progress)
-    write_texts(dict(zip(files, to_c(whole, real=real), strict=True)))
+    texts = dict(zip((f"{whole.name}.h", f"{whole.name}.c"), to_c(whole, real=real), strict=True))
+    texts |= {} if run is None else run_texts(whole, run, REALS[real])
+    files = {Path(folder) / file: text for file, text in texts.items()}
+    write_texts(files)
+    notes = dynamic_notes(models) if run is None else [run_note(whole.name)]
     proved = allowance_lines(models) if real == "float" else []
-    return Exported(files, (*whole.name_notes(), *dynamic_notes(models), *proved))
+    return Exported(tuple(files), (*whole.name_notes(), *notes, *proved))
 
 
 def to_c(whole: Bundle, *, real: str = "double", prove: bool = True) -> tuple[str, str]:
@@ -146,7 +153,15 @@ def _about(whole: Bundle) -> list[str]:
         lines.append(f"  x[{i}]  {variable}, domain {low!r} to {high!r}")
     if len(whole.models) > 1:
         lines += ["", *(f"  y[{k}]  {variable}" for k, variable in enumerate(whole.outputs))]
-    return [*lines, "", "Inputs outside of the domain are moved to its border."]
+    lines += ["", "Inputs outside of the domain are moved to its border."]
+    if notes := dynamic_notes(whole.models):
+        runs = (
+            [f"Exported as C, {whole.name}_run.h stands beside it: the model row by row, which does all that."]
+            if run_of(whole)
+            else []
+        )
+        lines += ["", *(line for note in [*notes, *runs] for line in wrap(note, _WIDTH))]
+    return lines
 
 
 def _proved(whole: Bundle) -> list[str]:

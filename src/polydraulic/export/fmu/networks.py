@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from polydraulic.export.c.run import run_of
 from polydraulic.export.c.source import to_c
 from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable, free_name
 from polydraulic.export.fmu.package import write_fmu
+from polydraulic.export.fmu.run import write_run_fmu
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
@@ -31,6 +33,9 @@ def export_fmu(
     cross: bool = False,
 ) -> Exported:
     """Write models as an FMU for model exchange and co-simulation, with sources and a binary for this machine.
+
+    Dynamic models whose raster is known run row by row, for co-simulation alone (`fmu.run`); without a raster the FMU is their function of
+    lagged values.
 
     Parameters
     ----------
@@ -58,6 +63,9 @@ def export_fmu(
         If the models do not go together, a compiler is missing, or the file cannot be written.
     """
     whole = bundle(models, name=name)
+    run = run_of(whole)
+    if run is not None and run.raster is not None:
+        return write_run_fmu(whole, run, path, version=version, compiler=compiler, cross=cross)
     header, source = to_c(whole)
     what = describe_networks(whole)
     sources = {f"{whole.name}.h": header, f"{whole.name}.c": source, "equations.h": _equations(whole)}
@@ -66,8 +74,16 @@ def export_fmu(
     extra = {f"{folder}_in.csv": inputs, f"{folder}_ref.csv": results}
     return write_fmu(
         what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross,
-        notes=dynamic_notes(models),
+        notes=_notes(models),
     )  # fmt: skip
+
+
+def _notes(models: Sequence[Model]) -> list[str]:
+    """What is to be known of dynamic models; they get here without a raster."""
+    notes = dynamic_notes(models)
+    return (
+        [*notes, "an FMU of models whose raster is known runs by itself: DynamicRegressor(raster=...)"] if notes else []
+    )
 
 
 def describe_networks(whole: Bundle) -> FmuDescription:
@@ -168,8 +184,9 @@ def _page(whole: Bundle, what: FmuDescription) -> str:
         f"{model.output}: {len(model.networks)} network(s), {model.n_coefficients} coefficients"
         for model in whole.models
     )
+    notes = "".join(f"<p>{escape(note)}.</p>\n" for note in dynamic_notes(whole.models))
     body = f"""<p>{escape(what.description)}. Outputs follow from the inputs at the same time; there are no states and no events.</p>
-{table("", ["variable", "kind", "unit", "lowest", "highest", "meaning"], rows)}
+{notes}{table("", ["variable", "kind", "unit", "lowest", "highest", "meaning"], rows)}
 <h2>Networks</h2>
 {bullets(models)}
 <p>Derivatives are exact. They are 0 where an input lies outside of the domain or an output at its bounds. If an input is not

@@ -131,7 +131,7 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
         opset_imports=[helper.make_opsetid("", opset)],
         producer_name="polydraulic",
         producer_version=__version__,
-        doc_string=f"{', '.join(map(str, whole.outputs))} from {', '.join(map(str, whole.inputs))}",
+        doc_string="; ".join([f"{', '.join(map(str, whole.outputs))} from {', '.join(map(str, whole.inputs))}", *dynamic_notes(whole.models)]),
     )  # fmt: skip
     made.ir_version = _IR if opset <= OPSET else 10
     low, high = whole.domain().T.tolist()

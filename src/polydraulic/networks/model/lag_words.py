@@ -51,7 +51,8 @@ def dynamic_notes(models: Sequence[Model]) -> list[str]:
     ]
     if stronger:
         found.append(
-            f"{', '.join(stronger)}: as strong as in the mean; whoever knows a joint to be weaker or stronger multiplies its change by that"
+            f"{', '.join(stronger)}: as strong as in the mean; a run in Python or C, or as an FMU, follows strengths from measured rows, and here whoever "
+            "knows a joint to be weaker or stronger multiplies its change by that"
         )
     return found
 
