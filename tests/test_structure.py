@@ -68,7 +68,6 @@ TESTED_ELSEWHERE = {
     "parameters/layout/conditions.py": ("parameters/layout/test_load.py", "conditions refuse files"),
     "parameters/layout/reader.py": ("parameters/layout/test_load.py", "parts are read as parts of files"),
     "parameters/layout/parts.py": ("parameters/layout/test_load.py", "records that files become"),
-    "parameters/layout/schema.py": ("parameters/layout/test_values.py", "the record of a machine and its values"),
     "simulation/batch/family.py": ("simulation/batch/test_layout_batch.py", "batches of every layout"),
     "simulation/lane_blocks.py": ("simulation/batch/test_batch.py", "what batches keep"),
     "simulation/layout/events.py": ("simulation/test_events.py", "events of runs"),

@@ -1,7 +1,8 @@
 """Which residuals which sensors allow."""
 
 from polydraulic import load_machine
-from polydraulic.watch.channels import channels_of, position_of, pump_columns
+from polydraulic.parameters.layout.schema import position_column
+from polydraulic.watch.channels import channels_of, pump_columns
 
 ALL = ("voltage", "spool", "p_a", "p_b", "q_in", "q_out", "angle")
 
@@ -43,9 +44,9 @@ def test_a_pumps_pressure_is_watched_where_all_that_it_depends_on_is_read():
 def test_a_joint_that_slides_has_a_position_and_a_force():
     crane = load_machine("loader_crane")
     slides = next(f for f in crane.functions if crane.link(f.moves).joint == "prismatic")
-    assert position_of(crane, slides) == f"{slides.name}.position"
+    assert position_column(crane, slides) == f"{slides.name}.position"
     columns = frozenset(
-        [*(position_of(crane, f) for f in crane.functions), *(f"{f}.p_{s}" for f in crane.names for s in "ab")]
+        [*(position_column(crane, f) for f in crane.functions), *(f"{f}.p_{s}" for f in crane.names for s in "ab")]
     )
     units = {c.name: c.unit for c in channels_of(crane, columns)}
     assert units[f"{slides.name}.torque"] == "N"

@@ -8,9 +8,8 @@ from polydraulic.cockpit.wanted import Wanted
 from polydraulic.control.coordinated import ControlSettings, CoordinatedControl
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
-from polydraulic.parameters.fault_catalogue import position_columns
 from polydraulic.parameters.faults import Since, faulty_readings
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_columns
 from polydraulic.simulation.stepping.simulator import Simulator
 
 # as `CoordinatedControl.velocity` has them

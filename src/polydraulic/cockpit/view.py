@@ -7,7 +7,7 @@ import numpy as np
 from polydraulic.cockpit.shadow import ERRORS as SHADOW_ERRORS
 from polydraulic.cockpit.shadow import Shadow
 from polydraulic.cockpit.tipping import SEEN, Tipping
-from polydraulic.parameters.fault_catalogue import position_columns
+from polydraulic.parameters.layout.schema import position_columns
 from polydraulic.simulation.stepping.simulator import Simulator
 
 _RELIEF = 1e-12  # m3/s: below is rounding

@@ -16,9 +16,8 @@ from polydraulic.flow.lookup import table_bytes
 from polydraulic.machine.stability.body import Body
 from polydraulic.machine.stability.whole_body import body_of
 from polydraulic.parameters.layout.payload import with_payload
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_columns
 from polydraulic.parameters.load import as_machine
-from polydraulic.simulation.layout.columns import function_column
 from polydraulic.simulation.layout.prepare import prepare_layout, valves_of
 from polydraulic.simulation.stepping.packed import pack_tree
 from polydraulic.simulation.steps import check_time_step
@@ -285,8 +284,7 @@ class CoordinatedControl:
 
 def measured_columns(machine: LayoutMachine) -> list[str]:
     """Columns that a controller gets: positions, pressures at A, then at B, of all functions."""
-    positions = [function_column(machine, name, "angle", "rad").name for name in machine.names]
-    return [*positions, *(f"{name}.{side}" for side in ("p_a", "p_b") for name in machine.names)]
+    return [*position_columns(machine), *(f"{name}.{side}" for side in ("p_a", "p_b") for name in machine.names)]
 
 
 def servo_of(machine: LayoutMachine, settings: ControlSettings) -> Servo:

@@ -7,8 +7,7 @@ import numpy as np
 
 from polydraulic.display import amount
 from polydraulic.errors import InputError
-from polydraulic.parameters.layout.parts import MachineFunction
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.tables import Table
 
 UNITS = {
@@ -32,11 +31,6 @@ _FOLLOWS = 1.5  # times the usual step in time, within which a row follows anoth
 _LEVERS = 10.0  # times the voltage of full travel
 _MANY = 0.05  # share of rows that are no outliers
 _CONTRADICTED = 0.2  # of the pump's flow: what equations or networks leave of a flow is a few per cent of it where the log is of the machine
-
-
-def position_column(machine: LayoutMachine, f: MachineFunction) -> str:
-    """Name of the column of a function's joint."""
-    return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
 
 
 def check_units(table: Table) -> None:

@@ -20,7 +20,7 @@ from polydraulic.parameters.deviations import (
     shown_size,
 )
 from polydraulic.parameters.layout.parts import MachineFunction, PumpParameters, SupplyCircuit
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column, position_columns
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.quantity import Quantity
 
@@ -193,11 +193,6 @@ def cockpit_faults(machine: LayoutMachine) -> tuple[FaultKind, ...]:
     )
 
 
-def position_columns(machine: LayoutMachine) -> tuple[str, ...]:
-    """Columns of the positions of all joints."""
-    return tuple(f"{f.name}.{_position(f, machine)}" for f in machine.functions)
-
-
 def reading_spans(machine: LayoutMachine) -> dict[str, float]:
     """Columns that sensors read, and the range of such a sensor in SI.
 
@@ -207,7 +202,7 @@ def reading_spans(machine: LayoutMachine) -> dict[str, float]:
     for f in machine.functions:
         travel, pump = f.valve.knots[-1], _pump_of(f, machine)
         found |= {
-            f"{f.name}.{_position(f, machine)}": f.stops.high - f.stops.low,
+            position_column(machine, f): f.stops.high - f.stops.low,
             f"{f.name}.spool": 2.0 * travel,
             f"{f.name}.p_a": f.line.relief,
             f"{f.name}.p_b": f.line.relief,
@@ -306,10 +301,6 @@ def _of_reading(column: str, span: float) -> Iterator[FaultKind]:
 
 def _pump_of(f: MachineFunction, machine: LayoutMachine) -> PumpParameters:
     return next(c.pump for c in machine.circuits if f.name in c.functions)
-
-
-def _position(f: MachineFunction, machine: LayoutMachine) -> str:
-    return "position" if machine.link(f.moves).joint == "prismatic" else "angle"
 
 
 def _unknown(name: str, machine: LayoutMachine, known: Sequence[str]) -> str:

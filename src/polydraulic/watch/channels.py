@@ -15,7 +15,7 @@ Each follows from measured signals through few equations, so that a fault shows 
 from typing import NamedTuple
 
 from polydraulic.parameters.layout.parts import Crossover, MachineFunction, SupplyCircuit
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 
 
 class WatchChannel(NamedTuple):
@@ -43,11 +43,6 @@ _UNITS = {
 }
 
 
-def position_of(machine: LayoutMachine, f: MachineFunction) -> str:
-    """Column of a function's joint."""
-    return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
-
-
 def crossover_of(machine: LayoutMachine, name: str) -> Crossover | None:
     """The crossover that joins a function's circuit with another one, if there is one."""
     own = next(c.name for c in machine.circuits if name in c.functions)
@@ -72,13 +67,13 @@ def channels_of(machine: LayoutMachine, columns: frozenset[str]) -> tuple[WatchC
     known = [f.name for f in machine.functions if _has_spool(f.name, columns)]
     seen = {name for name in known if {f"{name}.p_a", f"{name}.p_b"} <= columns}
     solved = {f.name for f in machine.functions if seen.issuperset(valves_beside(machine, f.name))}
-    moved = all({position_of(machine, f), f"{f.name}.p_a", f"{f.name}.p_b"} <= columns for f in machine.functions)
+    moved = all({position_column(machine, f), f"{f.name}.p_a", f"{f.name}.p_b"} <= columns for f in machine.functions)
     found: list[WatchChannel] = []
     for f in machine.functions:
         name, pressures = f.name, {f"{f.name}.p_a", f"{f.name}.p_b"} <= columns
         has = {what: f"{name}.{what}" in columns for what in ("voltage", "spool", "q_in", "q_out")}
         flows = (has["q_in"] or name in solved) and (has["q_out"] or name in known)
-        balanced = pressures and position_of(machine, f) in columns and name in known and flows
+        balanced = pressures and position_column(machine, f) in columns and name in known and flows
         allowed = {
             "spool": has["voltage"] and has["spool"],
             "q_in": has["q_in"] and name in solved,

@@ -15,10 +15,10 @@ from polydraulic.machine.valve import spool_edges
 from polydraulic.machine.volumes import lever_grid, levers, side_volumes
 from polydraulic.parameters.layout.parts import SlideFriction
 from polydraulic.parameters.layout.payload import with_payload
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.parameters.schema import Friction
 from polydraulic.watch.blocks import MOTION_STRIDE, SMOOTH, BlockShape, motion_filters, smoothing
-from polydraulic.watch.channels import WatchChannel, circuits_beside, crossover_of, position_of, valves_beside
+from polydraulic.watch.channels import WatchChannel, circuits_beside, crossover_of, valves_beside
 from polydraulic.watch.kernels.motion import ROOM_OF_LINK
 from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE
 from polydraulic.watch.plan import Plan
@@ -89,7 +89,7 @@ class Residuals:
         if what == "torque":
             f = case.machine.function(name)
             near = min(_NEAR_STOP, 0.06 * (f.stops.high - f.stops.low))
-            q = self._read(position_of(case.machine, f), case)
+            q = self._read(position_column(case.machine, f), case)
             numbers = plan.numbers((f.stops.low + near, f.stops.high - near))
             return plan.filled(
                 self.instants, "within", q, shape.before - self.half, 2 * self.half, self.stride, numbers
@@ -252,7 +252,7 @@ class Residuals:
     def _volumes(self, name: str, case: Case) -> int:
         """Volumes of both sides, and both levers, one behind the other."""
         machine, f = case.machine, case.machine.function(name)
-        position = self._smooth(self._read(position_of(machine, f), case))
+        position = self._smooth(self._read(position_column(machine, f), case))
         rows = self.shape.rows
 
         def made() -> int:
@@ -287,7 +287,7 @@ class Residuals:
 
     def _motion(self, case: Case) -> list[tuple[int, int, int]]:
         """Where position, rate and acceleration of each joint at the instants stand."""
-        reads = [self._read(position_of(case.machine, f), case) for f in case.machine.functions]
+        reads = [self._read(position_column(case.machine, f), case) for f in case.machine.functions]
         return [(self._convolved(read, 0), self._convolved(read, 1), self._convolved(read, 2)) for read in reads]
 
     def _convolved(self, of: int, k: int) -> int:

@@ -8,14 +8,13 @@ import pytest
 from helpers.machine_log import changed
 from polydraulic.errors import InputError
 from polydraulic.identification.doubts.torques import beyond_relief, check_torques, torque_doubts
-from polydraulic.identification.plausible import position_column
+from polydraulic.parameters.layout.schema import position_columns
 from polydraulic.tables import Table
 
 
 def doubts(machine, table):
     """With signs of positions that levers have shown to be right."""
-    right = [position_column(machine, f) for f in machine.functions]
-    return [*beyond_relief(machine, table)] or torque_doubts(machine, table, right).named
+    return [*beyond_relief(machine, table)] or torque_doubts(machine, table, position_columns(machine)).named
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])

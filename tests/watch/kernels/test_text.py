@@ -10,8 +10,8 @@ from polydraulic.flow.layout.circuit_sample import solved_valves
 from polydraulic.machine.circuits.crossover.circuit import CrossoverOrifice, crossover_3, crossover_4
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import Orifices
+from polydraulic.parameters.layout.schema import position_column
 from polydraulic.watch.block import AlarmTests, BlockJudge, kernels_of
-from polydraulic.watch.channels import position_of
 from polydraulic.watch.kernels.alarms import BEGINS, GOES_ON, NONE
 from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE
 from polydraulic.watch.kernels.rows import JUDGED, TAKEN
@@ -50,7 +50,7 @@ def made_rows(of, rng):
 def test_a_block_has_the_same_bits_in_plain_python():
     machine = load_machine("wheel_loader")
     columns = [f"{f.name}.{what}" for f in machine.functions for what in SENSORS]
-    columns += [position_of(machine, f) for f in machine.functions]
+    columns += [position_column(machine, f) for f in machine.functions]
     of = watched(machine, columns, 0.05)
     noise = {c: 1e5 if ".p_" in c else 8e-6 if ".q_" in c else 1e-4 for c in columns}
     n = len(of.directions)

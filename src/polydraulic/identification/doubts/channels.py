@@ -6,8 +6,7 @@ import numpy as np
 
 from polydraulic.identification.doubts.levers import lever_doubts, lever_votes
 from polydraulic.identification.doubts.torques import beyond_relief, torque_doubts
-from polydraulic.identification.plausible import position_column
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.tables import Table
 
 

@@ -14,10 +14,9 @@ import numpy as np
 from polydraulic.display import amount
 from polydraulic.identification.log_pieces import even_pieces, raster_of
 from polydraulic.identification.noise import noise_of_pieces
-from polydraulic.identification.plausible import position_column
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.parts import MachineFunction
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.tables import Table
 
 _REACH = 0.15  # s before and after an instant, between which a joint's way is measured

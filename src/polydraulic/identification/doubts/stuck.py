@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.display import amount
-from polydraulic.identification.plausible import position_column
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.tables import Table
 
 _NOISY = 0.15  # share of rows at which a signal with noise turns round, at least

@@ -14,11 +14,10 @@ from polydraulic.display import amount
 from polydraulic.errors import InputError
 from polydraulic.identification.doubts.levers import Doubt
 from polydraulic.identification.log_pieces import even_pieces, weighted_sums
-from polydraulic.identification.plausible import position_column
 from polydraulic.machine.joint_torques import torques_of_friction, torques_of_motion
 from polydraulic.machine.volumes import levers
 from polydraulic.parameters.layout.parts import MachineFunction
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_columns
 from polydraulic.tables import Table
 from polydraulic.watch.blocks import motion_filters
 
@@ -139,7 +138,7 @@ def torque_doubts(machine: LayoutMachine, table: Table, right: Collection[str] =
     right : collection of str
         Columns of positions whose signs are known to be right, by levers for example.
     """
-    places = [position_column(machine, f) for f in machine.functions]
+    places = position_columns(machine)
     needed = ["time", *places, *(p for f in machine.functions for p in _ports(f))]
     if not set(needed) <= set(table.names) or not table.known(needed).any():
         return TorqueDoubts([], [])
@@ -203,7 +202,7 @@ def _told_of_ports(f: MachineFunction, own: _Match, put: _Put, signs: tuple[str,
 
 def _smoothed(machine: LayoutMachine, table: Table) -> list[_Piece]:
     """Pieces of the log from which accelerations are seen, up to so many rows."""
-    columns = [position_column(machine, f) for f in machine.functions]
+    columns = position_columns(machine)
     columns += [_ports(f)[port] for port in (0, 1) for f in machine.functions]
     found, left = list[_Piece](), _MOST_ROWS
     for time, values in even_pieces(table, columns):

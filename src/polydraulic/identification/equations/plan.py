@@ -19,7 +19,7 @@ from polydraulic.identification.equations.shooting.information import (
     left_unsure,
     state_spreads,
 )
-from polydraulic.identification.equations.shooting.runs import first_states, joint_columns, shoot, window_slopes
+from polydraulic.identification.equations.shooting.runs import first_states, shoot, window_slopes
 from polydraulic.identification.equations.shooting.windows import (
     LEAD,
     ComparedColumn,
@@ -33,7 +33,7 @@ from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.pages.text import text_table
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.layout.adapt import full_stroke
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_columns
 from polydraulic.parameters.load import load_machine, machine_path
 from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.progress import Progress, quiet
@@ -221,7 +221,7 @@ def _driven_windows(machine: LayoutMachine, scenario: Scenario, like: Windows, r
     step, every = like.dt, like.every
     run = simulate(machine, "exact", scenario, dt=step, every=every)
     voltage = scenario.voltages(run["time"], machine.names)
-    columns = {name: run[name] for name in ("time", *joint_columns(machine), *read)}
+    columns = {name: run[name] for name in ("time", *position_columns(machine), *read)}
     columns |= {f"{name}.voltage": voltage[:, k] for k, name in enumerate(machine.names)}
     found = cut_windows(machine, Table(columns, {}), read, seconds=SECONDS, most=MOST_WINDOWS)
     return found._replace(position_sd=like.position_sd, rate_sd=like.rate_sd)

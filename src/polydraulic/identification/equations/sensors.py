@@ -9,10 +9,9 @@ from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
 from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.pilot_fit import Jets, PilotFit, fit_pilot, moves_against, smooth_spool
 from polydraulic.identification.noise import noise_level
-from polydraulic.identification.plausible import position_column
 from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.tables import Table, segments_of
 
 AT_VALVE = ("spool", "p_a", "p_b")

@@ -16,12 +16,12 @@ from polydraulic.identification.noise import noise_level
 from polydraulic.identification.plausible import UNITS, check_plausible, check_units
 from polydraulic.identification.watching.fault_networks import networks_ending, networks_for
 from polydraulic.pages.text import text_table
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, began
 from polydraulic.watch.blocks import BlockShape, piece_ends, starts_of
-from polydraulic.watch.channels import position_of, pump_columns
+from polydraulic.watch.channels import pump_columns
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.learning import FALSE_ALARMS, learn_expected
 from polydraulic.watch.naming import FaultNetworks, Opinion
@@ -309,7 +309,7 @@ def watched_columns(
     """Columns of sensors of the machine's functions that are to be read."""
     known = []
     for f in machine.functions:
-        place = position_of(machine, f)
+        place = position_column(machine, f)
         known += [f"{f.name}.{what}" for what in UNITS if what not in ("angle", "position", "p_pump")] + [place]
     known += pump_columns(machine)
     found = [name for name in known if name in table.names]

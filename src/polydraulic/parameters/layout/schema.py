@@ -71,3 +71,13 @@ class LayoutMachine(NamedTuple):
         (900.0, 9.79)
         """
         return replaced_layout(self, values)
+
+
+def position_column(machine: LayoutMachine, f: MachineFunction) -> str:
+    """Column of logs and runs with the position of a function's joint: ``NAME.angle`` in rad, or ``NAME.position`` in m of one that slides."""
+    return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
+
+
+def position_columns(machine: LayoutMachine) -> list[str]:
+    """Those of all functions, in their order."""
+    return [position_column(machine, f) for f in machine.functions]

@@ -17,7 +17,7 @@ from polydraulic.identification.equations.shooting.windows import LEAD, Windows
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.batch.batch import simulate_batch
-from polydraulic.simulation.layout.columns import columns_of, function_column
+from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import start_from
 
 PRESSURE_STEP, POSITION_STEP, RATE_STEP = 1e4, 1e-5, 1e-4  # Pa, rad or m, rad/s or m/s
@@ -211,8 +211,3 @@ def _resting(machine: LayoutMachine, position: np.ndarray) -> tuple[np.ndarray, 
     p_a = (weight + lever_b * low) / lever_a
     p_b = (lever_a * low - weight) / lever_b
     return np.where(p_a > low, p_a, low), np.where(p_a > low, low, p_b)
-
-
-def joint_columns(machine: LayoutMachine) -> list[str]:
-    """Columns of the positions of all joints."""
-    return [function_column(machine, f, "angle", "rad").name for f in machine.names]

@@ -13,7 +13,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of
 from polydraulic.identification.noise import noise_of_pieces
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_columns
 from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, function_column, kept_quantities
 from polydraulic.tables import Table
 
@@ -103,35 +103,30 @@ def run_sensors(machine: LayoutMachine) -> list[str]:
 def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *, seconds: float, most: int) -> Windows:
     """Windows that follow each other, spread over the log where there are more than `most`.
 
+    Parameters
+    ----------
+    machine : LayoutMachine
+    table : Table
+        The log, in SI; it may declare missing values.
+    sensors : sequence of str
+        Columns that runs are compared with.
+    seconds : float
+        Length of a window.
+    most : int
+        Windows.
+
     Raises
     ------
     InputError
         No command of a function, no position of one that moves, no piece that is long enough, or none in which positions are known where windows begin.
     """
-    names = machine.names
-    joints = [function_column(machine, f, "angle", "rad").name for f in names]
-    commands = [f"{f}.voltage" for f in names]
-    missing = [name for name in ["time", *commands, *joints] if name not in table.names]
-    if missing:
-        raise InputError(
-            f"the log has no column {missing[0]!r}: commands and positions of all functions are the least that is needed"
-        )
-    in_si(
-        table,
-        {column.name: column.unit for column in columns_of(machine).columns}
-        | dict.fromkeys(commands, "V")
-        | {"time": "s"},
-    )
+    commands, joints, n = [f"{f}.voltage" for f in machine.names], position_columns(machine), len(machine.names)
+    _check_columns(machine, table, [*commands, *joints])
     raster = raster_of(table)
     every = max(1, int(np.ceil(raster / LONGEST_STEP - 1e-9)))
-    dt, n_row = raster / every, max(1, round(seconds / raster))
+    n_row, lead, near = max(1, round(seconds / raster)), int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster))
     pieces = even_pieces(table, commands, [*joints, *sensors])
-    lead, near, n = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster)), len(names)
-    starts = [
-        (k, row)
-        for k, (at, values) in enumerate(pieces)
-        for row in _starts(values[:, n : 2 * n], lead, near, len(at) - n_row - 1, n_row)
-    ]
+    starts = _starts(pieces, slice(n, 2 * n), lead, near, n_row)
     if not starts:
         least = (lead + near + n_row + 1) * raster
         raise InputError(
@@ -140,54 +135,66 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
         )
     if len(starts) > most:
         starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
-    noise = [
-        max(noise_of_pieces([values[:, k] for _, values in pieces]), _LEAST_NOISE)
-        for k in range(n, 2 * n + len(sensors))
-    ]
-    channels = [ComparedColumn(name, level) for name, level in zip(sensors, noise[n:], strict=True)]
-    fits, led = (
-        [_parabola(pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n], raster) for k, row in starts]
+    noise = np.array([noise_of_pieces([values[:, k] for _, values in pieces]) for k in range(n, 2 * n + len(sensors))])
+    noise = np.maximum(noise, _LEAST_NOISE)
+    (position, rate), (lead_position, lead_rate) = (
+        _parabolas([pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n] for k, row in starts], raster)
         for back in (0, lead)
     )
     gain_position, gain_rate = _parabola_gain(near, raster)
 
-    def at_start(what: str) -> np.ndarray | None:
-        columns = [f"{f}.{what}" for f in names]
-        if any(c not in sensors for c in columns):
+    def at_start(port: str) -> np.ndarray | None:
+        columns = [f"{f}.{port}" for f in machine.names]
+        if not set(columns) <= set(sensors):
             return None
         places = [2 * n + list(sensors).index(c) for c in columns]
         return np.array([pieces[k][1][row, places] for k, row in starts])
 
     return Windows(
-        dt,
-        every,
-        tuple(channels),
-        [_steps(at, values[:, :n], raster, every) for at, values in pieces],
-        np.array([k for k, _ in starts]),
-        np.array([row * every for _, row in starts]),
-        n_row * every,
-        np.array([pieces[k][1][row + 1 : row + 1 + n_row, 2 * n :] for k, row in starts]),
-        np.array([fit[0] for fit in fits]),
-        np.array([fit[1] for fit in fits]),
-        np.array([fit[0] for fit in led]),
-        np.array([fit[1] for fit in led]),
-        np.array(noise[:n]) * gain_position,
-        np.array(noise[:n]) * gain_rate,
-        at_start("p_a"),
-        at_start("p_b"),
-        np.array([pieces[k][0][row] for k, row in starts]),
+        dt=raster / every,
+        every=every,
+        channels=tuple(ComparedColumn(name, level) for name, level in zip(sensors, noise[n:].tolist(), strict=True)),
+        command=[_steps(at, values[:, :n], raster, every) for at, values in pieces],
+        piece=np.array([k for k, _ in starts]),
+        first=np.array([row * every for _, row in starts]),
+        n_step=n_row * every,
+        measured=np.array([pieces[k][1][row + 1 : row + 1 + n_row, 2 * n :] for k, row in starts]),
+        position=position,
+        rate=rate,
+        lead_position=lead_position,
+        lead_rate=lead_rate,
+        position_sd=noise[:n] * gain_position,
+        rate_sd=noise[:n] * gain_rate,
+        p_a=at_start("p_a"),
+        p_b=at_start("p_b"),
+        time=np.array([pieces[k][0][row] for k, row in starts]),
     )
 
 
-def _starts(position: np.ndarray, lead: int, near: int, end: int, n_row: int) -> list[int]:
-    """Rows before `end` at which windows begin, each as early as the one before and the positions near it, and `lead` before, allow."""
-    known = ~np.isnan(position).any(axis=1)
-    around = np.convolve(known, np.ones(2 * near + 1), mode="same") > 2 * near + 0.5
-    found, following = list[int](), lead + near
-    for row in (np.flatnonzero(around[lead:] & around[:-lead]) + lead).tolist():
-        if following <= row < end:
-            found.append(row)
-            following = row + n_row
+def _check_columns(machine: LayoutMachine, table: Table, needed: Sequence[str]) -> None:
+    """Refuse a log without commands and positions, or with columns in another unit."""
+    missing = [name for name in ["time", *needed] if name not in table.names]
+    if missing:
+        raise InputError(
+            f"the log has no column {missing[0]!r}: commands and positions of all functions are the least that is needed"
+        )
+    of_runs = {column.name: column.unit for column in columns_of(machine).columns}
+    in_si(table, of_runs | dict.fromkeys((f"{f}.voltage" for f in machine.names), "V") | {"time": "s"})
+
+
+def _starts(
+    pieces: Sequence[tuple[np.ndarray, np.ndarray]], positions: slice, lead: int, near: int, n_row: int
+) -> list[tuple[int, int]]:
+    """Piece and row at which each window begins: as early as the one before and the positions near it, and `lead` before, allow."""
+    found = list[tuple[int, int]]()
+    for k, (at, values) in enumerate(pieces):
+        known = ~np.isnan(values[:, positions]).any(axis=1)
+        around = np.convolve(known, np.ones(2 * near + 1), mode="same") > 2 * near + 0.5
+        following, end = lead + near, len(at) - n_row - 1
+        for row in (np.flatnonzero(around[lead:] & around[:-lead]) + lead).tolist():
+            if following <= row < end:
+                found.append((k, row))
+                following = row + n_row
     return found
 
 
@@ -201,11 +208,12 @@ def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np
     return np.asarray(PchipInterpolator(at, command)(np.minimum(fine, at[-1])))
 
 
-def _parabola(values: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]:
-    """Value and slope in the middle of rows, (n_column,) each."""
-    half = len(values) // 2
-    found = np.polynomial.polynomial.polyfit(raster * np.arange(-half, half + 1), values, 2)
-    return found[0], found[1]
+def _parabolas(stretches: Sequence[np.ndarray], raster: float) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes in the middle of stretches of rows, (n_stretch, n_column) each."""
+    half = len(stretches[0]) // 2
+    at = raster * np.arange(-half, half + 1)
+    fits = np.array([np.polynomial.polynomial.polyfit(at, rows, 2) for rows in stretches])
+    return fits[:, 0], fits[:, 1]
 
 
 def _parabola_gain(half: int, raster: float) -> tuple[float, float]:

@@ -15,9 +15,8 @@ from polydraulic.identification.equations.numbers.spreads import spreads_of
 from polydraulic.identification.equations.pilot_fit import told_dead_time
 from polydraulic.identification.equations.shooting.fit import ShootingFit, fit_by_shooting
 from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
-from polydraulic.identification.plausible import position_column
 from polydraulic.parameters.layout.parts import Seen
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, position_column
 from polydraulic.tables import Table
 
 WAY = "through simulation"
