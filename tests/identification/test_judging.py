@@ -31,6 +31,10 @@ def test_errors_are_measured_by_their_squares_next_to_the_spread():
     assert errors_of(np.array([0.0, 2.0, 4.0, 6.0]), np.array([1.0, 1.0, 5.0, 5.0])) == (0.8, 1.0, 1.0)
     assert errors_of(np.array([0.0, 2.0]), np.array([-3.0, 3.0])) == (-4.0, 5.0**0.5, 3.0)
     assert errors_of(np.ones(2), np.array([1.0, 2.0])) == (0.0, 0.5**0.5, 1.0)  # nothing to explain
+    assert errors_of(np.ones(2), np.ones(2)) == (0.0, 0.0, 0.0)
+    for size in (1e-300, 1e-160, 1e150):  # squares of the first two are no numbers
+        scaled = errors_of(size * np.array([0.0, 2.0, 4.0, 6.0]), size * np.array([1.0, 1.0, 5.0, 5.0]))
+        assert scaled == pytest.approx((0.8, size, size), rel=1e-12, abs=0.0)
 
 
 def test_a_region_without_rows_has_no_errors():

@@ -351,3 +351,21 @@ def test_rows_in_which_some_channels_are_silent_are_kept_if_asked_for(tmp_path, 
         "it is partial, rows without a value of a channel: lever 100, boom.p_a 150" in (tmp_path / "q.html").read_text()
     )
     assert json.loads((tmp_path / "q.json").read_text())["rows_missing"]["boom.p_a"] == 150
+
+
+@pytest.mark.parametrize(("begins", "rows"), [(0.5, 50), (0.99, 1), (1.0, 0), (1000.0, 0)])
+def test_channels_whose_times_do_not_meet_are_named(tmp_path, begins, rows):
+    from asammdf import MDF, Signal
+
+    time = 0.01 * np.arange(100)
+    with MDF(version="4.10") as file:
+        for name, at in (("p", 0.0), ("q", begins)):
+            file.append([Signal(5.0 + np.sin(time), time + at, "bar", name)])
+        file.save(tmp_path / "log.mf4")
+    channels = [{"source": name, "role": "input", "unit": "bar"} for name in ("p", "q")]
+    given = channel_map({"raster": "10 ms", "channel": channels})
+    found = import_log(tmp_path / "log.mf4", given, tmp_path / "t.parquet")
+    assert found.n_row == rows
+    said = [f.detail for f in found.findings.of("no rows")]
+    words = f"'q' begins at {begins:g} s, when 'p' has ended at 0.99 s: look at their clocks, or import them apart"
+    assert said == ([] if rows else [words])

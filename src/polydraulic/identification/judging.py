@@ -13,6 +13,7 @@ from polydraulic.networks.model.partition import region_of
 from polydraulic.networks.model.shown_model import shown_columns, shown_model
 from polydraulic.tables import Table
 
+_TINY = 1e-140  # squares of smaller numbers have lost digits, or are zero
 LEVEL = 0.9  # of the intervals
 _NEARLY_ONE = 0.99995  # which four digits would show as 1
 
@@ -137,9 +138,12 @@ def r2_text(r2: float) -> str:
 def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:
     """R2, rms and largest error of rows, both of shape (n_row,)."""
     error = predicted - measured
-    mean_square, spread = float(np.mean(error * error)), float(np.var(measured))
+    largest = float(np.abs(error).max())
+    size = max(largest, float(np.ptp(measured)))
+    size = size if 0.0 < size < _TINY else 1.0
+    mean_square, spread = float(np.mean((error / size) ** 2)), float(np.var(measured / size))
     r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
-    return Errors(r2, mean_square**0.5, float(np.abs(error).max()))
+    return Errors(r2, size * mean_square**0.5, largest)
 
 
 def errors_by_region(model: Model, X: np.ndarray, error: np.ndarray) -> list[dict[str, Any]]:

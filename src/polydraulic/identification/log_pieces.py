@@ -29,11 +29,21 @@ def raster_of(table: Table) -> float:
         No two rows of one segment, or times that do not rise.
     """
     time, segment = table["time"], _segments(table)
-    if np.all(np.diff(segment) != 0) or np.any(np.diff(time) <= 0.0):
-        raise InputError(
-            "column 'time' does not rise from row to row; an identification needs a log as it was recorded"
-        )
+    check_rises(time)
+    if np.all(np.diff(segment) != 0):
+        raise InputError("no two rows of the log follow each other; an identification needs a log as it was recorded")
     return raster_within(time, segment)
+
+
+def check_rises(time: np.ndarray) -> None:
+    """Refuse times that do not rise from row to row, and name the first that does not."""
+    back = np.flatnonzero(np.diff(time) <= 0.0)
+    if back.size:
+        k = int(back[0])
+        raise InputError(
+            f"column 'time' does not rise from row to row: {time[k]:.10g} s is followed by {time[k + 1]:.10g} s in row {k + 2}, and so in "
+            f"{back.size} of {len(time)} rows; give a log as it was recorded, or import it again (polydraulic import)"
+        )
 
 
 def raster_within(time: np.ndarray, segment: np.ndarray) -> float:

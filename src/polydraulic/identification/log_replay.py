@@ -16,6 +16,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
 from polydraulic.identification.arguments import models_of, parts_of, table_of, unused_in_words
 from polydraulic.identification.doubts.channels import channel_doubts
+from polydraulic.identification.log_pieces import check_rises
 from polydraulic.identification.log_rows import MACHINE_UNITS
 from polydraulic.identification.plausible import check_plausible
 from polydraulic.machine.reach.tip import tip_at_joints
@@ -249,8 +250,7 @@ def replayed(
     if not dt * 2 <= seconds < np.inf:
         raise InputError(f"a window of {seconds:g} s: must be finite and two time steps of {dt:g} s at least")
     time = log["time"]
-    if np.any(np.diff(time) <= 0.0):
-        raise InputError("column 'time' does not rise from row to row; a replay needs a log as it was recorded")
+    check_rises(time)
     begins = _begins(time, np.ones(len(time), dtype=bool) if rows is None else rows, seconds, parts_of(log))
     if not begins:
         return []

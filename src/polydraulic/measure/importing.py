@@ -152,7 +152,7 @@ def import_log(
                 if rows_of.n_row == 0:
                     raise _NoRowsError
         except _NoRowsError:
-            findings.add("no rows")
+            findings.add("no rows", "", _apart(merged.checks))
     merged.compare_rasters(channels.raster)
     for check in merged.checks:
         check.end()
@@ -346,6 +346,20 @@ def _check_windows(channels: ChannelMap, checks: list[ChannelCheck]) -> None:
                 f"window of derivative {rate.name!r} = {rate.window:g} s: {rate.of!r} has a sample every {rasters[rate.of]:.3g} s only; "
                 f"{3.0 * rasters[rate.of]:.3g} s at least"
             )
+
+
+def _apart(checks: list[ChannelCheck]) -> str:
+    """Which of two channels that are never known together begins when the other one has ended; empty if none does."""
+    known = [check for check in checks if check.count]
+    if not known:
+        return ""
+    late, early = max(known, key=lambda check: check.first), min(known, key=lambda check: check.last)
+    if late.first <= early.last:
+        return ""
+    return (
+        f"{late.channel.source!r} begins at {late.first:.10g} s, when {early.channel.source!r} has ended at {early.last:.10g} s: look at their "
+        "clocks, or import them apart"
+    )
 
 
 def _copies(checks: list[ChannelCheck], findings: Findings) -> None:

@@ -39,6 +39,8 @@ class ChannelCheck:
     ----------
     raster : float, s
         Between its samples, as the map says or as found.
+    first, last : float, s
+        Times of its first and last value that can be used; nan and -inf where there is none.
     count, low, high, mean, square : float
         Of the values that can be used, in the channel's unit.
     """
@@ -55,7 +57,7 @@ class ChannelCheck:
         self.crc = 0
         self.lost = 0.0
         self._kept: list[np.ndarray] = []
-        self._last = -inf
+        self.first, self.last = np.nan, -inf
         self._gaps_seen = 0
         self._compared = False
 
@@ -119,7 +121,8 @@ class ChannelCheck:
         """Find the raster; note where samples are farther apart than they may, but rows are not."""
         if time.size == 0:
             return
-        past = np.concatenate([[self._last], time])
+        self.first = float(time[0]) if np.isnan(self.first) else self.first
+        past = np.concatenate([[self.last], time])
         steps = past[1:] - past[:-1]
         if not self._compared and np.isfinite(steps).sum() > 2:
             self._compared = True
@@ -136,7 +139,7 @@ class ChannelCheck:
                 self.lost += float(steps[lost].sum())
                 detail = f"{self.lost:.4g} s in all"
                 self.findings.add_rows("dropout", self.channel.source, rows.rows[there[lost]], detail)
-        self._last = float(time[-1])
+        self.last = float(time[-1])
         self._gaps_seen = self.clock.gaps - int(rows.after_gap[there[-1] + 1 :].sum())
 
     def end(self) -> None:
