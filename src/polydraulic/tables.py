@@ -325,7 +325,7 @@ def read_table(
         (named with its column and row); if values are missing that are not declared, or no row has a value of all columns.
     """
     path = Path(path)
-    ending = table_ending(path)
+    ending = table_ending(path, f"; {OF_LOGS}")
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     raw, split, info = read_file(path, ending)
@@ -356,11 +356,11 @@ def read_table(
         raise InputError(f"{path}: {error}") from error
 
 
-def table_ending(path: str | Path) -> str:
-    """Ending of a table's path, or an InputError."""
+def table_ending(path: str | Path, hint: str = "") -> str:
+    """Ending of a table's path, or an InputError that ends in a hint."""
     ending = Path(path).suffix.lower()
     if ending not in (".csv", ".parquet"):
-        raise InputError(f"{path}: a table ends in .csv or .parquet, not in {ending!r}")
+        raise InputError(f"{path}: a table ends in .csv or .parquet, not in {ending!r}{hint}")
     return ending
 
 

@@ -4,7 +4,13 @@ import pytest
 from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.errors import InputError
-from polydraulic.identification.plausible import check_plausible, check_pressures, check_units, contradictions
+from polydraulic.identification.plausible import (
+    check_functions,
+    check_plausible,
+    check_pressures,
+    check_units,
+    contradictions,
+)
 from polydraulic.tables import Table
 
 WAVE = np.sin(np.arange(100) / 9.0)
@@ -26,6 +32,15 @@ def test_a_log_in_si_is_taken_whatever_it_lacks(excavator):
     check_units(Table(PLAIN, {"boom.p_a": "Pa"}))
     for missing in PLAIN:
         check_plausible(excavator, Table({name: values for name, values in PLAIN.items() if name != missing}, {}))
+
+
+def test_a_log_of_another_machine_is_told_which_functions_this_one_has(excavator):
+    check_functions(excavator, Table({"time": WAVE, "boom.angle": WAVE}, {}))
+    with pytest.raises(
+        InputError,
+        match=r"no column of swing, boom, stick, the functions of 'Cat.*: choose the machine .*\(--machine\), or .* swing.voltage",
+    ):
+        check_functions(excavator, Table({"time": WAVE, "lift.angle": WAVE, "booms.angle": WAVE}, {}))
 
 
 def test_times_in_milliseconds_are_named(excavator):

@@ -87,7 +87,9 @@ def test_what_a_log_of_another_machine_lacks_is_named(crane, crane_log):
         match=r"^table: no column 'extend.position'; a replay needs time and, of each of slew, lift, extend, voltage",
     ):
         replay(Table(without, crane_log.units), crane, "iterative")
-    with pytest.raises(InputError, match="'lift.angle', 'extend.voltage', 'extend.position' and 9 more; a replay"):
+    with pytest.raises(
+        InputError, match="^the log has no column of slew, lift, extend, the functions of .* choose the machine"
+    ):
         replay(machine_log(1.0), crane, "iterative")
     with pytest.raises(InputError, match="column 'extend.position' is in 'mm'; a machine runs in SI, this in 'm'"):
         replay(Table(crane_log.columns, {**crane_log.units, "extend.position": "mm"}), crane, "iterative")

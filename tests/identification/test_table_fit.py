@@ -50,8 +50,14 @@ def test_regions_by_name():
         (["a"], ["y"], {"a": [0.5, 0.5]}, r"edges of 'a' = \[0.5, 0.5\]: must be rising finite numbers"),
         (["a"], ["y"], {"a": "0.5"}, "edges of 'a' = '0.5': must be rising finite numbers"),
         (["a"], ["y"], {"a": [np.nan]}, "edges of 'a' = .*: must be rising finite numbers"),
-        (["a"], ["y"], {"a": [-9.0, 0.5]}, "edges of 'a': no rows lie beyond -9, the column goes from"),
-        (["a"], ["y"], {"a": [0.5, 9.0]}, "edges of 'a': no rows lie beyond 9, the column goes from"),
+        (
+            ["a"],
+            ["y"],
+            {"a": [-9.0, 0.5]},
+            "edges of 'a': no rows lie beyond -9000 mm, the column goes from .* mm: add .*; an edge without a unit is in m$",
+        ),
+        (["a"], ["y"], {"a": [0.5, 9.0]}, "edges of 'a': no rows lie beyond 9000 mm, the column goes from"),
+        (["b"], ["y"], {"b": [0.5, 9.0]}, "edges of 'b': no rows lie beyond 9, the column goes from .* move the edge$"),
         (["a", "c"], ["y"], {}, "no column 'c'"),
     ],
 )

@@ -18,7 +18,7 @@ from polydraulic.identification.arguments import models_of, parts_of, table_of, 
 from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.log_pieces import check_rises
 from polydraulic.identification.log_rows import MACHINE_UNITS
-from polydraulic.identification.plausible import check_plausible
+from polydraulic.identification.plausible import check_functions, check_plausible
 from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
@@ -187,6 +187,7 @@ def replay(
     plant = as_machine(machine)
     needed = driven(plant)
     table, source = table_of(log, ["time"], needed)
+    check_functions(plant, table)
     if missing := [name for name in needed if name not in table.names]:
         more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
         raise InputError(

@@ -33,6 +33,15 @@ _MANY = 0.05  # share of rows that are no outliers
 _CONTRADICTED = 0.2  # of the pump's flow: what equations or networks leave of a flow is a few per cent of it where the log is of the machine
 
 
+def check_functions(machine: LayoutMachine, table: Table) -> None:
+    """Refuse a log that has no column of any function of the machine: it is another machine's, or its channels have other names."""
+    if not any(name.partition(".")[0] in machine.names for name in table.names):
+        raise InputError(
+            f"the log has no column of {', '.join(machine.names)}, the functions of {machine.title!r}: choose the machine that the log is of "
+            f"(--machine), or give its channels names such as {machine.names[0]}.voltage where it is imported"
+        )
+
+
 def check_units(table: Table) -> None:
     """Refuse columns that are not in SI."""
     for name in table.names:

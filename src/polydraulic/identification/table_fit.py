@@ -161,7 +161,7 @@ def fit_table(
     if unknown:
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
     for name, cuts in borders.items():
-        _check_edges(name, cuts, rows[name])
+        _check_edges(name, cuts, rows[name], rows.unit(name))
     if not isinstance(max_regions, Integral) or isinstance(max_regions, bool) or max_regions < 1:
         raise InputError(f"max_regions = {max_regions!r}: must be a whole number, at least 1")
     base = AbductiveRegressor() if estimator is None else estimator
@@ -194,7 +194,7 @@ def fit_table(
     return TableFit(fits, found, rows, source, 1 if by_index else int(max_regions))
 
 
-def _check_edges(name: str, cuts: Sequence[float], values: np.ndarray) -> None:
+def _check_edges(name: str, cuts: Sequence[float], values: np.ndarray, unit: str) -> None:
     """Refuse edges that do not rise, or beyond which a column has no rows."""
     given = np.asarray(cuts) if not isinstance(cuts, str) else np.array([cuts])
     if (
@@ -206,8 +206,10 @@ def _check_edges(name: str, cuts: Sequence[float], values: np.ndarray) -> None:
         raise InputError(f"edges of {name!r} = {cuts!r}: must be rising finite numbers")
     beyond = given[(given < values.min()) | (given >= values.max())]
     if beyond.size:
+        edge, low, high = (amount(value, unit) for value in (beyond[0], values.min(), values.max()))
+        plain = f"; an edge without a unit is in {unit}" if unit not in ("", "1") else ""
         raise InputError(
-            f"edges of {name!r}: no rows lie beyond {beyond[0]:g}, the column goes from {values.min():g} to {values.max():g}: add data there or move the edge"
+            f"edges of {name!r}: no rows lie beyond {edge}, the column goes from {low} to {high}: add data there, or move the edge{plain}"
         )
 
 

@@ -33,6 +33,8 @@ def test_patterns_choose_paths(loader):
     assert not found.has(f"functions.{name}.pilot.gain")
     with pytest.raises(InputError, match="--free 'links.none.mass' fits no number of the machine"):
         freedom(loader, {}, ["links.none.mass"])
+    with pytest.raises(InputError, match=f"near it: functions.{name}.valve.inlet, "):
+        freedom(loader, {}, [f"functions.{name}.valve.inlte"])
 
 
 def test_a_file_marks_what_is_free_with_its_spread(loader, tmp_path):

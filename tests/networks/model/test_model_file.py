@@ -202,8 +202,11 @@ def test_a_partition_deeper_than_the_stack_is_one_error():
 
 
 def test_a_missing_file_is_one_error(tmp_path):
-    with pytest.raises(InputError, match="cannot be read as a model file"):
+    with pytest.raises(InputError, match="^model file .*none.json: no such file$"):
         load_models(tmp_path / "none.json")
+    (tmp_path / "other.json").write_bytes(b"\xff\xfe")
+    with pytest.raises(InputError, match="other.json: cannot be read as a model file"):
+        load_models(tmp_path / "other.json")
 
 
 def test_a_strength_reads_back_and_files_without_one_are_as_before():

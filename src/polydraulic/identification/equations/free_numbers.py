@@ -1,6 +1,7 @@
 """Which numbers of a machine an identification may change, and how far they may be off: marked in its file, or by patterns of paths."""
 
 from collections.abc import Sequence
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import Any, NamedTuple
 
@@ -87,9 +88,8 @@ def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str
         asked = [path for path in effects if pattern.endswith(path.rpartition(".")[2])]
         fitting = [path for path in dict.fromkeys([*paths, *asked]) if fnmatchcase(path, pattern)]
         if not fitting:
-            raise InputError(
-                f"--free {pattern!r} fits no number of the machine; paths are such as {', '.join(paths[-3:])}"
-            )
+            near = get_close_matches(pattern, paths, n=3, cutoff=0.4) or list(paths)[:3]
+            raise InputError(f"--free {pattern!r} fits no number of the machine; near it: {', '.join(near)}")
         found |= {path: found.get(path, float("nan")) for path in fitting}
     if not found:
         return Freedom({path: float("nan") for path in paths if fitted_here(path)}, False)

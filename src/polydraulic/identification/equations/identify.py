@@ -43,7 +43,7 @@ from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.identification.log_pieces import check_rises, raster_within
 from polydraulic.identification.log_rows import check_one_raster
-from polydraulic.identification.plausible import check_plausible, check_units
+from polydraulic.identification.plausible import check_functions, check_plausible, check_units
 from polydraulic.networks.blas_threads import one_blas_thread
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -181,6 +181,7 @@ def identify(
     )
     dead = [name for name in table.names if not table.known([name]).any()]
     table = _without(table, dead)
+    check_functions(before, table)
     check_units(table)
     check_plausible(before, table)
     segment = _segments(table, source)

@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, measured_pieces, oil_torques
 from polydraulic.identification.log_pieces import weighted_sums
-from polydraulic.identification.plausible import check_plausible, check_units
+from polydraulic.identification.plausible import check_functions, check_plausible, check_units
 from polydraulic.machine.joint_torques import torques_of_friction, torques_of_motion
 from polydraulic.machine.reach.tip import tip_jacobian
 from polydraulic.parameters.layout.payload import with_payload
@@ -145,6 +145,7 @@ class _Rows(NamedTuple):
 
 
 def _windows(machine: LayoutMachine, log: Table, window: float, payload: float) -> list[_Rows]:
+    check_functions(machine, log)
     check_units(log)
     pieces = measured_pieces(machine, log)
     check_plausible(machine, log)

@@ -63,6 +63,8 @@ def load_models(path: str | Path) -> list[Model]:
         Missing, damaged, or of a newer schema than this version reads.
     """
     path = Path(path)
+    if not path.is_file():
+        raise InputError(f"model file {path}: no such file")
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
