@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -85,6 +86,38 @@ cli.main()
     assert (run.returncode, errors) == (130, "interrupted\n")
     assert time.monotonic() - began < 5.0
     assert not (tmp_path / "out.txt").exists()
+
+
+def test_the_word_stands_in_place_of_a_progress_bar_in_a_terminal():
+    code = """
+import time
+from polydraulic import cli, terminal
+
+terminal.PATIENCE = 0.0
+
+def app():
+    with terminal.progress_bar("work") as progress:
+        progress("waiting", 0, 1)
+        print("busy", flush=True)
+        time.sleep(60)
+cli.app = app
+cli.main()
+"""
+    ours, theirs = os.openpty()
+    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm", "COLUMNS": "60"})  # fmt: skip
+    os.close(theirs)
+    assert run.stdout.readline() == b"busy\n"
+    time.sleep(0.3)
+    run.send_signal(signal.SIGINT)
+    shown = b""
+    with suppress(OSError):  # what a closed terminal gives
+        while part := os.read(ours, 65536):
+            shown += part
+    os.close(ours)
+    assert run.wait(30) == 130
+    run.stdout.close()
+    assert b"work: waiting" in shown
+    assert b"\r\x1b[2Kinterrupted\r\n" in shown
 
 
 def test_the_handler_of_whoever_calls_is_put_back(call):

@@ -45,7 +45,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 def _say() -> None:
     with suppress(OSError):
-        os.write(2, b"interrupted\n")
+        os.write(2, b"\r\x1b[2Kinterrupted\n" if os.isatty(2) else b"interrupted\n")  # in place of a progress bar
 
 
 def _watch(woken: socket.socket) -> None:
