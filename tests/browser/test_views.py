@@ -144,3 +144,16 @@ def test_parts_of_the_page_do_their_sums(page):
     assert found[1:3] == [None, 0]
     assert found[3] == ["0", "−12.3", "–", "12.3 mm", "3"]
     assert found[4] >= 3
+
+
+@pytest.mark.parametrize("width", [1280, 900, 600, 390])
+def test_both_sticks_and_the_lock_are_within_a_narrow_window(page, width):
+    page.size(width, 800)
+    places = page.js(
+        "return ['[data-stick=left]', '[data-stick=right]', '#lock'].map((one) => document.querySelector(one).getBoundingClientRect().toJSON())"
+    )
+    page.size(1280, 720)
+    assert all(0.0 <= place["left"] < place["right"] <= width for place in places)
+    for one, other in pairwise([*places, places[0]]):
+        apart = one["right"] <= other["left"] or other["right"] <= one["left"]
+        assert apart or one["bottom"] <= other["top"] or other["bottom"] <= one["top"]
