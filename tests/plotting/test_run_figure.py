@@ -44,6 +44,13 @@ def test_one_run_alone_shows_where_its_tip_is(boom_runs):
     assert below.lines[2].get_ydata() == pytest.approx(1e3 * boom_runs["exact"]["effector.z"])
 
 
+def test_a_run_is_broad_below_others_and_thin_alone(boom_runs):
+    broad = plot_run(boom_runs).axes[0].lines[0]
+    alone = plot_run({"exact": boom_runs["exact"]}).axes[0].lines[0]
+    assert (broad.get_linewidth(), alone.get_linewidth()) == (3.5, 1.3)
+    assert broad.get_color() != alone.get_color()
+
+
 def test_numbers_are_in_the_units_asked_for(boom_runs):
     for units, label, scale in (("field", "pressure [psi]", PSI), ("si", "pressure [Pa]", 1.0)):
         panel = plot_run(boom_runs, units=units).axes[3]

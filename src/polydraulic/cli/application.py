@@ -135,7 +135,7 @@ def values_by_name(texts: Iterable[str], option: str) -> dict[str, str]:
 
 
 METRIC = "metric"  # what people read if they ask for nothing else
-MachineOption = Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")]
+MachineOption = Annotated[str, typer.Option(help="A machine by name, or a TOML file.")]
 FaultOption = Annotated[
     list[str] | None,
     typer.Option(

@@ -91,7 +91,7 @@ def fit_joints(
 
 @app.command()
 def run(
-    model: Annotated[Path, typer.Argument(help="Model file, as written by fit --dynamic.")],
+    model: Annotated[Path, typer.Argument(help="Model file, as written by fit --dynamic or fit-joints.")],
     log: Annotated[
         list[str],
         typer.Argument(

@@ -62,8 +62,9 @@ def import_(
 
     - A campaign: `polydraulic import "day1_*.csv" --channels map.toml --out table.parquet --strict`
 
-    What comes next: look at the quality report in a browser and correct the map; then `polydraulic fit` learns from the table,
-    `polydraulic fit-machine` the pump and valves of a whole machine.
+    What comes next: look at the quality report in a browser and correct the map; then `polydraulic identify` finds curves and numbers of a machine
+    file, `polydraulic fit-machine` learns pump and valves of a whole machine, `polydraulic fit-joints` how joints follow levers, `polydraulic fit`
+    anything else, and `polydraulic watch` says what is wrong with the machine.
     """
     from polydraulic.files import check_apart, check_new, write_text
     from polydraulic.measure.channels import load_channels

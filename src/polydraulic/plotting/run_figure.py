@@ -36,13 +36,15 @@ PANELS = (
     Panel("angle", "angle", shared=False),  # links work in different ranges
 )
 _ABOUT_LINES: dict[str, Any] = {"fontsize": "x-small", "color": "0.4", "pad": 2.0}  # above a panel, where no curve is
-# The first run lies broad and pale below the others.
-FIRST = ("#9ec5e8", 3.5)
+# The first run lies broad and pale below the others; one that is alone has lines as any.
+FIRST, ALONE = ("#9ec5e8", 3.5), ("#3b6ea5", 1.3)
 OTHERS = ("#e07a1f", "#2f8f4e", "#b5367a", "#5b4bb5", "#7a6a3a")
 
 
-def line_style(number: int) -> tuple[str, float]:
-    """Colour and width of the lines of run `number`, counted from zero."""
+def line_style(number: int, of: int = 2) -> tuple[str, float]:
+    """Colour and width of the lines of run `number`, counted from zero, of so many."""
+    if of == 1:
+        return ALONE
     return FIRST if number == 0 else (OTHERS[(number - 1) % len(OTHERS)], 1.1)
 
 
@@ -133,7 +135,7 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
     _draw_effector(below, runs, units)
     below.set_xlabel("time [s]")
     title = next(iter(runs.values())).info.get("scenario", "")
-    handles = [_handle(as_drawn(label), *line_style(number)) for number, label in enumerate(runs)]
+    handles = [_handle(as_drawn(label), *line_style(number, len(runs))) for number, label in enumerate(runs)]
     figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)
     figure.suptitle(as_drawn(str(title)), x=0.01, ha="left", fontweight="bold")
     return figure
@@ -143,7 +145,7 @@ def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel
     unit, full = "", ""
     dashed: list[str] = []  # runs that have what the dashed lines show: networks know no pump pressure
     for number, (label, table) in enumerate(runs.items()):
-        color, width = line_style(number)
+        color, width = line_style(number, len(runs))
         full = joint_column(table, link, "") if panel.full == "angle" else f"{link}.{panel.full}"
         values, unit = shown_column(table, full, units)
         axis.plot(table["time"], values, color=color, linewidth=width)

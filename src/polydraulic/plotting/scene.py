@@ -244,7 +244,7 @@ def _strip(axis: "Axes", frames: Frames, channel: PlottedChannel, size: float, *
     """One quantity over time with a cursor, and its value as title."""
     apart = channel.title == "tip from first"
     for number, values in enumerate(channel.values):
-        color, width = line_style(number)
+        color, width = line_style(number, len(frames.names))
         if not (apart and number == 0):
             axis.plot(frames.time, values, color=color, linewidth=width)
     axis.set_xlim(frames.time[0], max(frames.time[-1], frames.time[0] + 1e-9))
