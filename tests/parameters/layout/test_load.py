@@ -93,6 +93,12 @@ def test_links_below_one_whose_parent_is_misspelt_are_good(tmp_path):
     )
 
 
+@pytest.mark.parametrize(("actuator", "misspelt"), [("cylinder", "cylindre"), ("ram", "rams"), ("motor", "moter")])
+def test_what_a_function_of_a_misspelt_actuator_has_is_not_said_to_be_wrong(tmp_path, actuator, misspelt):
+    text = refused(tmp_path, f'actuator = "{actuator}"', f'actuator = "{misspelt}"')
+    assert text.endswith(f".actuator = {misspelt!r}: must be one of ['motor', 'cylinder', 'four_bar', 'ram']")
+
+
 @pytest.mark.parametrize("table", ["links", "functions"])
 def test_where_a_table_is_misspelt_nothing_is_offered_to_choose_from(tmp_path, table):
     path = tmp_path / "misspelt.toml"

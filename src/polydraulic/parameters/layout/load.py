@@ -182,6 +182,7 @@ def _function(
 ) -> MachineFunction | None:
     where, before = f"functions.{name}", len(reader.wrong)
     actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
+    actuator = actuator if item.get("actuator") == actuator else _meant(item)
     drive_key = "motor" if actuator == "motor" else "cylinder"
     needed = ("moves", "actuator", drive_key, *_PARTS, *_HELD.get(actuator, ()))
     data = reader.table(item, (*needed, "backlash", "role", "seen"), needed, where)
@@ -207,6 +208,12 @@ def _function(
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
         Friction(*friction), Stops(*stops), Initial(*initial), effects, role, seen,  # type: ignore[misc]
     )  # fmt: skip
+
+
+def _meant(item: Mapping[str, Any]) -> str:
+    """The actuator whose tables a function has, where it names none: what else is wrong of it is said as of that one."""
+    marks = {"hinge": "four_bar", "base": "cylinder", "cylinder": "ram"}
+    return next((actuator for mark, actuator in marks.items() if mark in item), "motor")
 
 
 def _pins(actuator: str, pins: dict[str, Point]) -> Pins | FourBar | None:
