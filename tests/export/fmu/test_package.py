@@ -71,7 +71,7 @@ def test_a_memory_goes_on_through_steps_and_failure_is_told(version, tmp_path):
     fmu.freeInstance()
 
 
-def started(path, folder, version, at=0.0, log=None):
+def started(path, folder, version, at=0.0, log=None, stop=None):
     """One instance that has begun at a time, and its function to read."""
     description = fmpy.read_model_description(str(path))
     fmpy.extract(str(path), unzipdir=str(folder))
@@ -81,7 +81,7 @@ def started(path, folder, version, at=0.0, log=None):
             guid=description.guid, unzipDirectory=str(folder), instanceName="one", modelIdentifier="integrator"
         )
         fmu.instantiate(**options)
-        fmu.setupExperiment(startTime=at)
+        fmu.setupExperiment(startTime=at, stopTime=stop)
         fmu.enterInitializationMode()
     else:
         fmu = FMU3Slave(
@@ -91,7 +91,7 @@ def started(path, folder, version, at=0.0, log=None):
             modelIdentifier="integrator",
         )
         fmu.instantiate(**options)
-        fmu.enterInitializationMode(startTime=at)
+        fmu.enterInitializationMode(startTime=at, stopTime=stop)
     fmu.exitInitializationMode()
     return fmu, fmu.getReal if version == 2 else fmu.getFloat64
 
@@ -158,6 +158,25 @@ def test_the_first_step_begins_at_the_start_which_is_a_finite_time(version, inte
         fmu.doStep(0.0, 0.5)
     with pytest.raises(fmpy.fmi1.FMICallException, match="etupExperiment|nterInitialization"):
         started(integrators[version], tmp_path / "b", version, np.nan)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("stop", "allowed"), [(4.9, False), (np.nan, False), (5.0, True), (6.0, True), (np.inf, True)])
+def test_a_stop_before_the_start_is_an_error_that_is_told(version, stop, allowed, integrators, tmp_path):
+    told = []
+
+    def begin():
+        return started(
+            integrators[version], tmp_path / "in", version, 5.0, lambda *message: told.append(message[-1]), stop
+        )
+
+    if allowed:
+        begin()[0].freeInstance()
+        assert told == []
+    else:
+        with pytest.raises(fmpy.fmi1.FMICallException, match="etupExperiment|nterInitialization"):
+            begin()
+        assert "the stop time lies before the start time" in str(told.pop())
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -8,6 +8,7 @@ import onnxruntime
 import pytest
 
 from helpers.exports import NAMES
+from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
 from polydraulic.export import bundle
 from polydraulic.export.c import answers
@@ -55,6 +56,27 @@ def test_float_graphs_are_close(exported_models):
     y, _ = run(to_onnx(whole, real="float"), X)
     assert y.dtype == np.float32
     assert y == pytest.approx(whole.predict(X.astype(float)), abs=1e-5)
+
+
+@pytest.mark.parametrize(("offset", "coarse"), [(0.0, False), (100.0, False), (1e4, True), (1e9, True)])
+def test_inputs_far_from_zero_are_named_where_floats_are_coarse_for_them(tmp_path, offset, coarse):
+    rng = np.random.default_rng(0)
+    X = offset + rng.uniform(size=(80, 1))
+    model = AbductiveRegressor(max_layers=1).fit(X, (X[:, 0] - offset) ** 2).to_model()
+    notes = export_onnx([model], tmp_path / "m.onnx", real="float").notes
+    assert [("a float tells numbers apart by" in note, note.split(":")[0]) for note in notes] == [(True, "x0")] * coarse
+    assert export_onnx([model], tmp_path / "m.onnx").notes == ()
+
+
+def test_numbers_that_no_float_holds_are_refused(tmp_path):
+    X = 1e39 * np.random.default_rng(0).uniform(size=(80, 1))
+    model = AbductiveRegressor(max_layers=1).fit(X, X[:, 0] / 1e39).to_model()
+    with pytest.raises(
+        InputError, match=r"numbers of 'y' exceed what a float can hold, 3.4e38: .* or export as double"
+    ):
+        export_onnx([model], tmp_path / "m.onnx", real="float")
+    assert not (tmp_path / "m.onnx").exists()
+    export_onnx([model], tmp_path / "m.onnx")
 
 
 def test_what_is_not_a_number_gives_that_and_is_outside(exported_models):

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import onnx
 
 OPSET, _IR = 17, 8  # of 2022
+_COARSE = 1e-4  # of an input's domain, from one float to the next: what is lost shows
 
 
 def export_onnx(
@@ -64,10 +65,24 @@ def export_onnx(
     path = Path(path)
     if path.suffix != ".onnx":
         raise InputError(f"{path}: an ONNX graph ends in .onnx")
-    content = to_onnx(bundle(models, name=name), real=real, opset=opset).SerializeToString()
+    whole = bundle(models, name=name)
+    content = to_onnx(whole, real=real, opset=opset).SerializeToString()
     with replacing(path) as temporary:
         temporary.write_bytes(content)
-    return Exported((path,), tuple(dynamic_notes(models)))
+    return Exported((path,), (*dynamic_notes(models), *(_coarse(whole) if real == "float" else ())))
+
+
+def _coarse(whole: Bundle) -> list[str]:
+    """Notes on inputs of which a float tells few numbers of the domain apart, far as they are from zero."""
+    notes = []
+    for variable, (low, high) in zip(whole.inputs, whole.domain().tolist(), strict=True):
+        step = float(np.spacing(np.float32(max(abs(low), abs(high)))))
+        if step > _COARSE * (high - low) > 0.0:
+            notes.append(
+                f"{variable.name}: from {low:.9g} to {high:.9g}, a float tells numbers apart by {step:.2g} only; subtract an offset before the model is "
+                "fitted, or export as double"
+            )
+    return notes
 
 
 def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx.ModelProto":
@@ -87,7 +102,7 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
     Raises
     ------
     InputError
-        If onnx is missing, or an option makes no sense.
+        If onnx is missing, an option makes no sense, or a number of a model exceeds what a float can hold.
     """
     try:
         from onnx import checker, helper
@@ -98,26 +113,13 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
     if opset < 13:
         raise InputError(f"opset = {opset}: must be at least 13")
     graph = Graph(np.float64 if real == "double" else np.float32)
-    columns = [graph.op("Gather", "x", graph.constant(np.array([i])), axis=1) for i in range(len(whole.inputs))]
-    invalid = graph.op("Cast", graph.op("IsNaN", "x"), to=graph.type)
-    count = graph.op("ReduceSum", invalid, graph.constant(np.array([1])), keepdims=1)
-    is_nan = graph.op("Greater", count, graph.number(0.0))
-    outputs, distances = [], []
-    for model, place in zip(whole.models, whole.places, strict=True):
-        own = [columns[i] for i in place]
-        if as_tables(whole) and isinstance(model.partition, Split):
-            y, far = answer_of_tables(graph, model, own)
-            outputs.append(y)
-            distances.append(far)
-            continue
-        parts = [(_value(graph, network, own), _distance(graph, network, own)) for network in model.networks]
-        y, far = _chosen(graph, model.partition, own, parts)
-        outputs.append(y)
-        distances.append(far)
-    y = graph.op("Concat", *outputs, axis=1)
-    far = graph.op("Max", *distances) if len(distances) > 1 else distances[0]
-    graph.op("Where", is_nan, graph.number(np.nan), y, to_name="y")
-    graph.op("Where", is_nan, graph.number(float(np.finfo(graph.dtype).max)), far, to_name="domain")
+    try:
+        with np.errstate(over="raise"):
+            _answers(graph, whole)
+    except FloatingPointError:
+        raise InputError(
+            f"numbers of {', '.join(repr(v.name) for v in whole.outputs)} exceed what a float can hold, 3.4e38: fit in other units, or export as double"
+        ) from None
     n, m = len(whole.inputs), len(whole.models)
     made = helper.make_model(
         helper.make_graph(
@@ -142,6 +144,30 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
     helper.set_model_props(made, {"inputs": json.dumps(about), "outputs": json.dumps(results)})
     checker.check_model(made)
     return made
+
+
+def _answers(graph: Graph, whole: Bundle) -> None:
+    """Add what leads from the inputs to the answers and the distance outside."""
+    columns = [graph.op("Gather", "x", graph.constant(np.array([i])), axis=1) for i in range(len(whole.inputs))]
+    invalid = graph.op("Cast", graph.op("IsNaN", "x"), to=graph.type)
+    count = graph.op("ReduceSum", invalid, graph.constant(np.array([1])), keepdims=1)
+    is_nan = graph.op("Greater", count, graph.number(0.0))
+    outputs, distances = [], []
+    for model, place in zip(whole.models, whole.places, strict=True):
+        own = [columns[i] for i in place]
+        if as_tables(whole) and isinstance(model.partition, Split):
+            y, far = answer_of_tables(graph, model, own)
+            outputs.append(y)
+            distances.append(far)
+            continue
+        parts = [(_value(graph, network, own), _distance(graph, network, own)) for network in model.networks]
+        y, far = _chosen(graph, model.partition, own, parts)
+        outputs.append(y)
+        distances.append(far)
+    y = graph.op("Concat", *outputs, axis=1)
+    far = graph.op("Max", *distances) if len(distances) > 1 else distances[0]
+    graph.op("Where", is_nan, graph.number(np.nan), y, to_name="y")
+    graph.op("Where", is_nan, graph.number(float(np.finfo(graph.dtype).max)), far, to_name="domain")
 
 
 def _value(graph: Graph, network: Network, columns: Sequence[str]) -> str:

@@ -85,12 +85,10 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean with_toleran
     fmu_instance *c = component;
     (void)with_tolerance;
     (void)tolerance;
-    (void)with_stop;
-    (void)stop;
     if (c->state.mode != FMU_INSTANTIATED) {
         return fmu_failed(c, "this function may not be called now");
     }
-    return fmu_done(c, fmu_set_time(&c->state, start));
+    return fmu_done(c, fmu_begin(&c->state, start, with_stop == fmi2True, stop));
 }
 
 static fmi2Status fmu_enter(fmi2Component component, int from, int to)

@@ -126,10 +126,8 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean with_toleranc
 {
     (void)with_tolerance;
     (void)tolerance;
-    (void)with_stop;
-    (void)stop;
     const fmi3Status status = fmu_enter(c, FMU_INSTANTIATED, FMU_INITIALIZATION);
-    return status == fmi3OK ? fmu_done(c, fmu_set_time(&((fmu_instance *)c)->state, start)) : status;
+    return status == fmi3OK ? fmu_done(c, fmu_begin(&((fmu_instance *)c)->state, start, with_stop, stop)) : status;
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return fmu_enter(c, FMU_INITIALIZATION, FMU_RUNNING); }

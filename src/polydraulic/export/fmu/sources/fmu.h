@@ -126,6 +126,14 @@ static const char *fmu_set_time(fmu_state *s, double time)
     return NULL;
 }
 
+static const char *fmu_begin(fmu_state *s, double start, int with_stop, double stop)
+{
+    if (with_stop && !(stop >= start)) {
+        return "the stop time lies before the start time, or is not a number";
+    }
+    return fmu_set_time(s, start);
+}
+
 /* From where the last step ended, or from the start: a gap would be time that the equations never see. */
 static const char *fmu_step(fmu_state *s, double from, double step)
 {
