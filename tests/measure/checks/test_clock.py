@@ -325,3 +325,12 @@ def test_what_to_do_about_times_that_begin_anew_or_fall_is_said(blocks):
         "in row 101 the time falls from 0.99 to 0 s; if recordings were put one behind the other, cut"
     )
     assert said(STEADY[::-1]).endswith("times fall from row to row: turn the rows of the log round, the last one first")
+
+
+@pytest.mark.parametrize(("begin", "named"), [(135_958.5, True), (5_958.5, True), (135_958.5 + 7.0, False)])
+def test_times_of_day_in_one_number_are_told_by_their_gaps(begin, named):
+    second = 0.01 * np.arange(300)
+    time = begin + second + np.where(second >= 1.5, 40.0 + 4000.0 * (begin < 6000.0), 0.0)
+    (gap,) = checked(time)[3].findings.of("gap")
+    assert gap.rows == [(151, 151)]
+    assert ("are no seconds; write 13:59:59" in gap.detail) == named

@@ -85,6 +85,7 @@ class Clock:
         self.first = np.nan
         self.last = -np.inf
         self.gaps, self.lost = 0, 0.0
+        self._digits = 0  # gaps that a time of day in one number, hhmmss, has behind every minute
         self._zero: float | None = None  # of times in days
         self._behind = False
         # the last row, if it lies behind: the next ones say whether it is alone
@@ -221,12 +222,14 @@ class Clock:
         if gap.any():
             self.gaps += int(gap.sum())
             self.lost += float(steps[gap].sum())
-            self.findings.add_rows(
-                "gap",
-                self.name,
-                rows[gap],
-                f"{self.gaps} gap(s), {self.lost:.4g} s in all; the row after each is named",
-            )
+            self._digits += int(_minutes_begin(t[gap] - steps[gap], t[gap], JOIN * self.raster).sum())
+            detail = f"{self.gaps} gap(s), {self.lost:.4g} s in all; the row after each is named"
+            if self._digits == self.gaps:
+                detail += (
+                    "; all lie between 59 and 100 of a hundred: hours, minutes and seconds in one number, such as 135959, are no seconds; "
+                    "write 13:59:59"
+                )
+            self.findings.add_rows("gap", self.name, rows[gap], detail)
         odd = real & ~gap & (np.abs(steps - self.raster) > _IRREGULAR * self.raster)
         self._n_interval += int((real & ~gap).sum())
         self._n_irregular += int(odd.sum())
@@ -269,6 +272,12 @@ class Clock:
             found = self.findings.add("irregular", self.name, f"usual interval {self.raster:.4g} s")
             found.count = self._n_irregular
             found.rows = [(row, row) for row in self._irregular]
+
+
+def _minutes_begin(before: np.ndarray, after: np.ndarray, near: float) -> np.ndarray:
+    """Which gaps, from times before to times after them, go from a 60 of a hundred to the next hundred, (n_gap,) array of bool."""
+    found: np.ndarray = (np.abs(before % 100.0 - 60.0) <= near) & (after % 100.0 <= near) & (before % 100.0 < 60.0)
+    return found
 
 
 def _marks(places: np.ndarray, n: int) -> np.ndarray:
