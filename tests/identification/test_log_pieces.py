@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.identification.log_pieces import even_pieces, in_si, raster_of, weighted_sums
+from polydraulic.identification.log_pieces import (
+    even_pieces,
+    in_si,
+    raster_of,
+    raster_segments,
+    segment_column,
+    weighted_sums,
+)
 from polydraulic.tables import Table
 
 
@@ -66,3 +73,12 @@ def test_missing_values_of_what_is_needed_end_a_piece_and_others_stay_missing():
 def test_weighted_sums_are_of_whole_stretches():
     values = np.arange(10.0).reshape(5, 2)
     assert weighted_sums(values, np.array([0.5, 0.0, 0.5])).tolist() == [[2.0, 3.0], [4.0, 5.0], [6.0, 7.0]]
+
+
+def test_stretches_end_at_gaps_and_at_ends_of_segments():
+    time = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.7])
+    assert raster_segments(Table({"time": time}, {})).tolist() == [0, 0, 0, 1, 1, 1]
+    both = Table({"time": time, "segment": np.array([0.0, 0.0, 0.0, 0.0, 3.0, 3.0])}, {})
+    assert raster_segments(both).tolist() == [0, 0, 0, 1, 2, 2]
+    assert segment_column(both).tolist() == [0.0, 0.0, 0.0, 0.0, 3.0, 3.0]
+    assert segment_column(Table({"time": time}, {})).tolist() == [0.0] * 6

@@ -8,6 +8,7 @@ from polydraulic.errors import InputError
 from polydraulic.tables import Table
 
 _GAP = 1.5  # rasters
+_UNEVEN = 0.05  # of a raster, by which a row may come early or late
 _ROUNDING = 1e-6  # of a raster: what lies on a row needs no other
 
 
@@ -20,6 +21,19 @@ def in_si(table: Table, units: Mapping[str, str]) -> None:
             )
 
 
+def segment_column(table: Table) -> np.ndarray:
+    """Numbers of the segments that rows lie in, (n_row,); of a log without that column, one."""
+    return table["segment"] if "segment" in table.names else np.zeros(len(table))
+
+
+def raster_segments(table: Table) -> np.ndarray:
+    """Numbers of the stretches whose rows follow each other on the raster, (n_row,) of int; times must rise."""
+    step = np.diff(table["time"])
+    usual = float(np.median(step))
+    cut = (np.abs(step - usual) > _UNEVEN * usual) | (np.diff(segment_column(table)) != 0.0)
+    return np.concatenate([[0], np.cumsum(cut)])
+
+
 def raster_of(table: Table) -> float:
     """Time between rows, s.
 
@@ -28,7 +42,7 @@ def raster_of(table: Table) -> float:
     InputError
         No two rows of one segment, or times that do not rise.
     """
-    time, segment = table["time"], _segments(table)
+    time, segment = table["time"], segment_column(table)
     check_rises(time)
     if np.all(np.diff(segment) != 0):
         raise InputError("no two rows of the log follow each other; an identification needs a log as it was recorded")
@@ -63,7 +77,7 @@ def even_pieces(
     if not keep.size:
         raise InputError(f"no row of the log has a value of all of {', '.join(columns)}")
     time, values = table["time"][keep], [table.columns[name][keep] for name in (*columns, *sometimes)]
-    cuts = (np.diff(time) > _GAP * raster) | (np.diff(_segments(table)[keep]) != 0)
+    cuts = (np.diff(time) > _GAP * raster) | (np.diff(segment_column(table)[keep]) != 0)
     found = []
     for rows in np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1):
         at = time[rows[0]] + raster * np.arange(int((time[rows[-1]] - time[rows[0]]) / raster + 1e-6) + 1)
@@ -85,7 +99,3 @@ def _between(at: np.ndarray, time: np.ndarray, values: np.ndarray) -> np.ndarray
         return np.full(len(at), np.nan)
     share = np.interp(at, time, lacks.astype(float))
     return np.where(share > _ROUNDING, np.nan, np.interp(at, time[~lacks], values[~lacks]))
-
-
-def _segments(table: Table) -> np.ndarray:
-    return table["segment"] if "segment" in table.names else np.zeros(len(table["time"]))

@@ -41,7 +41,7 @@ from polydraulic.identification.equations.ways.by_spools import (
 )
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
-from polydraulic.identification.log_pieces import check_rises, raster_within
+from polydraulic.identification.log_pieces import check_rises, raster_segments, raster_within
 from polydraulic.identification.log_rows import check_one_raster
 from polydraulic.identification.plausible import check_functions, check_plausible, check_units
 from polydraulic.networks.blas_threads import one_blas_thread
@@ -312,14 +312,12 @@ def _without(table: Table, names: Collection[str]) -> Table:
 
 
 def _segments(table: Table, source: str) -> np.ndarray:
+    """Numbers of stretches of rows without a gap, (n_row,) of int, of a log that is long enough and whose times rise."""
     time = table["time"]
     if len(time) < LEAST_ROWS:
         raise InputError(f"{source} determines nothing of this machine: it has {len(time)} rows; {LEAST_ROWS} at least")
     check_rises(time)
-    own = table["segment"] if "segment" in table.names else np.zeros(len(time))
-    step = float(np.median(np.diff(time)))
-    jumps = np.concatenate([[0.0], (np.abs(np.diff(time) - step) > 0.05 * step) | (np.diff(own) != 0.0)])
-    return np.cumsum(jumps).astype(np.int64)
+    return raster_segments(table)
 
 
 def _digest(table: Table, data: dict[str, Any], may: Freedom) -> str:

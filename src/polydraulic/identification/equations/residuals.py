@@ -19,7 +19,7 @@ from polydraulic.identification.equations.observations import blocks_of_time
 from polydraulic.identification.equations.pilot_fit import driven_spool, pieces_of
 from polydraulic.identification.equations.sensors import read_function
 from polydraulic.identification.equations.ways.by_spools import STEP_LAG, declared_effects
-from polydraulic.identification.log_pieces import raster_within
+from polydraulic.identification.log_pieces import raster_segments, raster_within
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
@@ -140,7 +140,7 @@ def residual_rows(machine: LayoutMachine, circuit: SupplyCircuit, log: Table) ->
         Measured flow less that of the circuit; nan where the circuit lets nothing in, or near relief.
     """
     time = log["time"]
-    segment = np.concatenate([[0], np.cumsum(_jumps(log))])
+    segment = raster_segments(log)
     pieces, step = pieces_of(segment), raster_within(time, segment)
     travel, p_in = (np.empty((len(time), len(circuit.functions))) for _ in range(2))
     jets = _jets(machine, circuit, log, segment, step)
@@ -172,12 +172,6 @@ def _jets(
         name: read_function(machine, machine.function(name), log, segment, raster, False) for name in circuit.functions
     }
     return {name: jets.strength for name, jets in jets_of(machine, circuit, signals, segment, {}).items()}
-
-
-def _jumps(log: Table) -> np.ndarray:
-    step = np.diff(log["time"])
-    own = np.diff(log["segment"]) != 0.0 if "segment" in log.names else False
-    return np.asarray((np.abs(step - np.median(step)) > 0.05 * np.median(step)) | own)
 
 
 def _read_of(circuit: SupplyCircuit) -> list[str]:

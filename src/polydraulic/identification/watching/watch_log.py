@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from polydraulic.display import dated, moment
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import PartTimes, table_of, times_of_parts, whole_rows
 from polydraulic.identification.doubts.channels import channel_doubts
-from polydraulic.identification.log_pieces import raster_of
+from polydraulic.identification.log_pieces import raster_of, segment_column
 from polydraulic.identification.noise import noise_level
 from polydraulic.identification.plausible import UNITS, check_plausible, check_units
 from polydraulic.identification.watching.fault_networks import networks_ending, networks_for
@@ -216,30 +217,13 @@ def watch_log(
     raster = raster_of(table)
     of = watched(plant, columns, raster)
     progress("learn", 0, 1)
-    if healthy is not None:
-        given, name = _checked(healthy, plant)
-        if missing := [c for c in columns if c not in given.names]:
-            raise InputError(
-                f"{name}: no column {', '.join(map(repr, missing[:_NAMED]))}, which {source} has; watch both by the same sensors"
-            )
-        known = _rows_of(given, columns)
-        if abs(raster_of(known) / raster - 1.0) > _RASTERS:
-            raise InputError(
-                f"{name} has a row every {raster_of(known):g} s, {source} every {raster:g} s: import both on one raster"
-            )
-        own, first = np.ones(len(known), dtype=bool), 0
-        doubts += [f"{name}: {doubt.text}" for doubt in channel_doubts(plant, known)]
-        words = f"{len(known)} rows of {name}"
-    else:
-        known, begin = table, float(table["time"][0])
-        own = table["time"] - begin < min(_OWN_SHARE * (float(table["time"][-1]) - begin), _OWN_MOST)
-        first = int(own.sum())
-        words = f"its first {table['time'][max(first - 1, 0)] - begin:.0f} s, taken for healthy"
+    of_healthy = _own_beginning(table) if healthy is None else _given_healthy(healthy, plant, columns, raster, source)
     try:
-        expected = learnt_from(of, known, own, rate)
+        expected = learnt_from(of, of_healthy.table, of_healthy.rows, rate)
     except InputError as error:
-        raise InputError(f"{words}: {error}") from error
-    starts = starts_of(table["time"][first:], _segment(table)[first:], of.shape) + first
+        raise InputError(f"{of_healthy.words}: {error}") from error
+    first = int(of_healthy.rows.sum()) if healthy is None else 0
+    starts = starts_of(table["time"][first:], segment_column(table)[first:], of.shape) + first
     if not len(starts):
         raise InputError(f"{source}: no piece of {of.shape.rows * raster:.3g} s without a gap is left to be watched")
     named = None if networks is None else networks_for(networks, of, expected, progress)
@@ -258,7 +242,7 @@ def watch_log(
         watch.alarms,
         watch.findings(),
         expected,
-        words,
+        of_healthy.words,
         source,
         rate,
         ends,
@@ -266,15 +250,53 @@ def watch_log(
         began(table),
         times_of_parts(table),
         _not_judged(table, first, len(starts), of.shape, len(every) - len(table)),
-        tuple(doubts),
+        (*doubts, *of_healthy.doubts),
     )
+
+
+class _Healthy(NamedTuple):
+    """Rows that are taken for healthy, (n_row,) of bool of a table, what they are called, and what contradicts what there."""
+
+    table: Table
+    rows: np.ndarray
+    words: str
+    doubts: Sequence[str] = ()
+
+
+def _own_beginning(table: Table) -> _Healthy:
+    """The beginning of the log itself."""
+    after = table["time"] - table["time"][0]
+    rows = after < min(_OWN_SHARE * float(after[-1]), _OWN_MOST)
+    return _Healthy(table, rows, f"its first {after[max(int(rows.sum()) - 1, 0)]:.0f} s, taken for healthy")
+
+
+def _given_healthy(
+    log: Table | str | Path | Sequence[Table | str | Path],
+    machine: LayoutMachine,
+    columns: Sequence[str],
+    raster: float,
+    source: str,
+) -> _Healthy:
+    """Another log, read by the same sensors on the same raster as the one that is watched, which is called `source`."""
+    given, name = _checked(log, machine)
+    if missing := [c for c in columns if c not in given.names]:
+        raise InputError(
+            f"{name}: no column {', '.join(map(repr, missing[:_NAMED]))}, which {source} has; watch both by the same sensors"
+        )
+    table = _rows_of(given, columns)
+    if abs(raster_of(table) / raster - 1.0) > _RASTERS:
+        raise InputError(
+            f"{name} has a row every {raster_of(table):g} s, {source} every {raster:g} s: import both on one raster"
+        )
+    doubts = [f"{name}: {doubt.text}" for doubt in channel_doubts(machine, table)]
+    return _Healthy(table, np.ones(len(table), dtype=bool), f"{len(table)} rows of {name}", doubts)
 
 
 def _not_judged(table: Table, first: int, blocks: int, shape: BlockShape, silent: int = 0) -> str:
     """How much of a log whose rows are judged from `first` on is in no block, and why, in words; `silent` rows lack a sensor."""
     minutes = shape.raster / 60.0
     own, left = first * minutes, (len(table) - first - blocks * shape.inside) * minutes
-    pieces = len(piece_ends(table["time"][first:], _segment(table)[first:], shape.raster)) + 1
+    pieces = len(piece_ends(table["time"][first:], segment_column(table)[first:], shape.raster)) + 1
     reasons = [f"{own:.1f} min are what is taken for healthy"] if first else []
     if silent:
         reasons.append(f"{silent * minutes:.1f} min are rows in which a sensor that is watched has no value")
@@ -329,10 +351,6 @@ def watched_columns(
     return tuple(name for name in found if any(fnmatchcase(name, pattern) for pattern in sensors))
 
 
-def _segment(table: Table) -> np.ndarray:
-    return table["segment"] if "segment" in table.names else np.zeros(len(table))
-
-
 def log_blocks(of: Watched, table: Table, starts: np.ndarray) -> dict[str, np.ndarray]:
     """Columns of blocks of a log that begin at these rows, (n_block, n_row) each."""
     rows = starts[:, None] + np.arange(of.shape.rows)
@@ -342,7 +360,7 @@ def log_blocks(of: Watched, table: Table, starts: np.ndarray) -> dict[str, np.nd
 def learnt_from(of: Watched, table: Table, rows: np.ndarray, rate: float) -> Expected:
     """What is to be expected, from the rows of a log that are healthy, (n_row,) of bool."""
     values = {name: table[name][rows] for name in of.columns}
-    time, segment = table["time"][rows], _segment(table)[rows]
+    time, segment = table["time"][rows], segment_column(table)[rows]
     starts = starts_of(time, segment, of.shape)
     if len(starts) > _MOST_LEARNT:  # whole runs from all over, so that what goes together in time stays together
         runs = np.array_split(starts, len(starts) // _RUN)
