@@ -52,6 +52,7 @@ TEXTS = {
         "Windows letters, first in the header": (lines("{t:.2f},{p},x\n", "time,p,Öl €\n").encode("cp1252"), READ),
         "Latin-1 letters, first in the last row": ((lines("{t:.2f},{p},x\n", "time,p,note\n")[:-2] + "Öl\n").encode("latin-1"), READ),
         "blanks between a comma and a quote": (lines('"{t:.2f}", "{p}"\n', '"time", "p"\n'), READ),
+        "blanks around cells in quotes": (lines(' "{t:.2f}" , "{p}" \n', ' "time" , "p" \n'), READ),
         "single quotes": (lines("'{t:.2f}','{p}'\n", "'time','p'\n"), READ),
         '`="1.5"`, so that a spreadsheet keeps all digits': (lines('="{t:.2f}",="{p}"\n'), READ),
         "blanks within quotes, between runs of blanks": (lines('"{t:.2f}"  {p}   "a b"\n', '"time" "p" "what it is"\n'), READ),
@@ -88,6 +89,8 @@ TEXTS = {
         "`time/s`, `p/bar`, `p in bar`, `p, bar` as names with units": (PLAIN.replace("time,p", 'time/s,"p, bar"'), READ),
         "`time <s>`, `[bar] p`, `p {bar}`, `p - bar` as names with units": (PLAIN.replace("time,p", "time <s>,[bar] p"), READ),
         "what each name means, in words below it": (PLAIN.replace("time,p\n", "time,p\nTime since start,Pressure of the pump\n"), READ),
+        "names, what they mean, and units, or these in between": (
+            PLAIN.replace("time,p\n", "time,p\nTime since start,Pressure of the pump\ns,bar\n"), READ),
         "a line of dashes below the header": (PLAIN.replace("time,p\n", "time,p\n----,---\n"), READ),
         "numbers of rows without a name, as R writes them": (lines('"{i}",{t:.2f},{p}\n', '"time","p"\n'), ("header",)),
         "more fields in all rows than names": (lines("{t:.2f},{p},7{i}\n"), ("header",)),

@@ -122,9 +122,10 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
         if beside and unit_line(cells[last], cells[wide[-2]]):
             header, units, kept = cells[wide[-2]], cells[last], [n for n in kept if n < wide[-2]]
         elif beside and all(is_unit(cell) for cell in cells[wide[-2]]):
-            units = cells[wide[-2]]  # above the names
-        elif beside and _described(cells[last], cells[wide[-2]]):
-            header, kept = cells[wide[-2]], [n for n in kept if n < wide[-2]]  # with what each name means below it
+            units, kept = cells[wide[-2]], [n for n in kept if n < wide[-2]]  # above the names
+        over = kept[-1] if kept else last
+        if over != last and over in wide and _described(header, cells[over]):
+            header, kept = cells[over], [n for n in kept if n < over]  # with what each name means below it
         if kept:
             header = _in_groups(header, cells[kept[-1]])
     elif (named := _commented_header(texts, first, delimiter, body[0])) is not None:
@@ -301,13 +302,10 @@ def _one_unit(n: int, cells: dict[int, list[str]]) -> bool:
 
 
 def _described(line: Sequence[str], above: Sequence[str]) -> bool:
-    """Whether a line says in words what the names in the line above it mean."""
+    """Whether a line says in words what the names in the line above it mean, one of which is the time."""
     given, names = _trimmed(line), _trimmed(above)
-    return (
-        len(given) == len(names)
-        and not any(" " in name for name in names)
-        and sum(" " in cell for cell in given) > 0.5 * len(given)
-    )
+    short = len(given) == len(names) and not any(" " in name for name in names) and any(map(says_time, names))
+    return short and sum(" " in cell for cell in given) > 0.5 * len(given)
 
 
 def _filled(body: Sequence[Sequence[str]], width: int) -> bool:
@@ -321,9 +319,10 @@ def _counted(body: Sequence[Sequence[str]], header: Sequence[str]) -> bool:
     begin = int(first[0]) if first[0] in ("0", "1") else -1
     if len(first) < 2 or begin < 0 or first != [str(begin + n) for n in range(len(first))]:
         return False
-    second = [float(row[1]) for row in body if len(row) > 1 and re.fullmatch(r"[+-]?\d+(\.\d*)?", row[1])]
-    rises = len(second) == len(body) and all(a < b for a, b in pairwise(second))
-    return rises or not says_time(header[0])
+    second = [row[1] for row in body if len(row) > 1]
+    numbers = [float(cell) for cell in second if re.fullmatch(r"[+-]?\d+(\.\d*)?", cell)]
+    rises = len(numbers) == len(body) and all(a < b for a, b in pairwise(numbers))
+    return rises or bool(time_kind(second)) or not says_time(header[0])
 
 
 def _repeats(row: Sequence[str]) -> bool:

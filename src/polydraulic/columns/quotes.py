@@ -5,7 +5,11 @@ from collections.abc import Sequence
 
 # what such a cell looks like, and what is left of it
 _FORMS = (
-    (re.compile(rb'([,;|\t])[ ]+(?=")'), rb"\1"),  # blanks before the quote
+    # blanks before the quote, or behind it
+    (
+        re.compile(rb'(?m)(^|[,;|\t])(?:[ ]+("(?:[^"\r\n]|"")*")[ ]*|("(?:[^"\r\n]|"")*")[ ]+)(?=[,;|\t\r\n]|$)'),
+        rb"\1\2\3",
+    ),
     (re.compile(rb'(?m)(^|[,;|\t])=(?=")'), rb"\1"),  # ="1.5", so that a spreadsheet keeps all digits
     (re.compile(rb"(?m)(^|[,;|\t])[ ]*'([^',;|\t\r\n]*)'(?=[ ]*(?:[,;|\t\r\n]|$))"), rb"\1\2"),  # single quotes
 )

@@ -375,3 +375,36 @@ def test_of_values_that_are_not_numbers_one_is_shown(tmp_path):
         == "such as '101.5 bar': numbers with their unit; leave 'bar' out of the cells"
     )
     assert found.findings.of("text")[0].count == 30
+
+
+@pytest.mark.parametrize(
+    ("head", "names", "unit"),
+    [
+        ("time,p\nTime since start,Pump pressure\n", ["time", "p"], ""),
+        ("time,p\ns,bar\nTime since start,Pump pressure\n", ["time", "p"], "bar"),
+        ("time,p\nTime since start,Pump pressure\ns,bar\n", ["time", "p"], "bar"),
+        ("Pump,Boom\nTime s,Pump p\n", ["Time s", "Pump p"], ""),  # titles above the names
+        ("Logger,7\ntime,p\n", ["time", "p"], ""),
+    ],
+)
+def test_names_are_told_from_what_they_mean_and_from_titles(tmp_path, head, names, unit):
+    (tmp_path / "log.csv").write_text(head + "".join(f"{k / 100:.2f},{k % 7}.5\n" for k in range(60)))
+    with open_log(tmp_path / "log.csv") as log:
+        assert [signal.name for signal in log.signals] == names
+        assert log.signals[1].unit == unit
+
+
+@pytest.mark.parametrize(
+    ("first", "names"),
+    [
+        ("{k},{t:.2f},{p}", ["column 1", "time", "p"]),
+        ("{k},2024-03-31 13:59:{t:05.2f},{p}", ["column 1", "time", "p"]),
+        ("{k},{p},{t:.2f}", ["time", "p", "column 3"]),  # seconds that are numbered as rows are
+        ("{t:.2f},{p},{k}", ["time", "p", "column 3"]),
+    ],
+)
+def test_names_stand_over_their_columns_where_rows_begin_with_their_number(tmp_path, first, names):
+    rows = "".join(first.format(k=k, t=k / 100, p=f"{k % 7}.5") + "\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("time,p\n" + rows)
+    with open_log(tmp_path / "log.csv") as log:
+        assert [signal.name for signal in log.signals] == names
