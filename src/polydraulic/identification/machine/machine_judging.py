@@ -20,10 +20,8 @@ _BLOCK = 30.0  # s, of a longer log: what a pump does comes and goes with the wo
 _WORSE = 1.1  # times the error of the earlier network on rows that it has not seen, above which one that has seen them is not released
 _LEARNT, _HELD = 200, 50  # rows with an open valve that it takes to learn a network, and to judge it
 _BEYOND = 1.5  # times what a machine can do, above which a number has the wrong unit
-_LEAST_R2, _MOST_ERROR = (
-    0.9,
-    0.05,
-)  # on rows held out, and rms as a share of the pump's flow: a network beyond them is weak
+# on rows held out, and rms as a share of the pump's flow: a network beyond them is weak
+_LEAST_R2, _MOST_ERROR = 0.9, 0.05
 _NO_PRESSURE = 1e4  # Pa; a machine whose pressures all stay below it does not work, or they are no Pa
 
 

@@ -8,9 +8,8 @@ from polydraulic.identification.equations.shooting.runs import Slopes
 from polydraulic.identification.equations.shooting.windows import Windows
 
 _PRESSURE_SPREAD = 30e5, 5e6  # Pa, of pressures at the start that are measured, and that are not
-_STATE_FACTOR = (
-    10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
-)
+# by which what is known of positions and rates at the start is loosened: the rows themselves count, too
+_STATE_FACTOR = 10.0
 _LEAST_SPREAD = 1e-4, 1e-2  # rad or m, rad/s or m/s
 
 

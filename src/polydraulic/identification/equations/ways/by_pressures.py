@@ -12,10 +12,8 @@ from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanica
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
-_BEYOND, _MATTERS = (
-    3.0,
-    0.02,
-)  # times the noise, and of the torque itself: with perfect sensors any remainder is beyond noise
+# times the noise, and of the torque itself: with perfect sensors any remainder is beyond noise
+_BEYOND, _MATTERS = 3.0, 0.02
 WAY = "masses and friction from pressures"
 
 
