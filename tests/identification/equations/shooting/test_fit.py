@@ -8,7 +8,7 @@ from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.shooting import fit as fit_of_windows
 from polydraulic.identification.equations.shooting.fit import fit_by_shooting
-from polydraulic.identification.equations.shooting.runs import joint_columns
+from polydraulic.parameters.layout.schema import position_columns
 from polydraulic.tables import Table
 
 NAME = "wheel_loader"
@@ -30,7 +30,7 @@ def test_pilot_and_payload_from_commands_and_angles_alone():
         operator_log(NAME),
         prior,
         spreads,
-        sensors=joint_columns(machine),
+        sensors=position_columns(machine),
         seconds=1.0,
         most=16,
         progress=lambda *args: told.append(args),
@@ -52,12 +52,12 @@ def test_positions_that_are_silent_at_times_of_their_own_tell_as_much_as_their_r
     machine, log = load_machine(NAME), operator_log(NAME)
     prior, spreads, truth = begun(machine, FEW)
     rng, columns = np.random.default_rng(2), dict(log.columns)
-    for name in joint_columns(machine):
+    for name in position_columns(machine):
         silent = np.convolve(rng.random(len(log)) < 0.006, np.ones(25))[: len(log)] > 0.0
         columns[name] = np.where(silent, np.nan, columns[name])
         assert 0.05 < silent.mean() < 0.3
     given = Table(columns, log.units).partial()
-    fit = fit_by_shooting(given, prior, spreads, sensors=joint_columns(machine), seconds=1.0, most=16)
+    fit = fit_by_shooting(given, prior, spreads, sensors=position_columns(machine), seconds=1.0, most=16)
     for path in FEW:
         number = fit.estimates.of(path)
         assert number.determined
@@ -84,7 +84,7 @@ def test_pilots_pumps_and_friction_from_two_minutes(name):
         factors[coulomb.replace("coulomb", "static")] = max(1.0, factors[coulomb])
     prior, spreads, truth = begun(machine, factors)
     log = operator_log(name, seconds=130.0, seed=8)
-    fit = fit_by_shooting(log, prior, spreads, sensors=joint_columns(machine), most=64)
+    fit = fit_by_shooting(log, prior, spreads, sensors=position_columns(machine), most=64)
     for number in fit.estimates.numbers:
         allowed = 0.01 if number.path.endswith(ends[:3]) else 0.15
         assert number.value == pytest.approx(truth[number.path], rel=allowed), number.path
@@ -100,7 +100,7 @@ def test_all_curves_from_pressures_and_angles_are_off_by_no_more_than_they_say()
     kinds = {number.path: number.path.partition("[")[0].rpartition(".")[2] for number in machine.numbers}
     prior, spreads, truth = begun(machine, {path: off[kind] for path, kind in kinds.items() if kind in off})
     spreads = {path: 1.5 * off[kinds[path]] * spread for path, spread in spreads.items() if spread > 0.0}
-    sensors = [*joint_columns(machine), *(f"{name}.{port}" for name in machine.names for port in ("p_a", "p_b"))]
+    sensors = [*position_columns(machine), *(f"{name}.{port}" for name in machine.names for port in ("p_a", "p_b"))]
     fit = fit_by_shooting(
         operator_log(NAME, seconds=130.0, seed=7), prior, spreads, sensors=sensors, seconds=2.0, most=64
     )
@@ -115,5 +115,5 @@ def test_a_search_that_may_make_no_more_steps_says_so(monkeypatch):
     machine = load_machine(NAME)
     prior, spreads, _ = begun(machine, FEW)
     monkeypatch.setattr(fit_of_windows, "_PASSES", ((1.0, 1),))
-    found = fit_by_shooting(operator_log(NAME), prior, spreads, sensors=joint_columns(machine), seconds=1.0, most=16)
+    found = fit_by_shooting(operator_log(NAME), prior, spreads, sensors=position_columns(machine), seconds=1.0, most=16)
     assert not found.settled

@@ -5,8 +5,9 @@ import pytest
 
 from helpers.operator_log import operator_log
 from polydraulic import load_machine
-from polydraulic.identification.equations.shooting.runs import first_states, joint_columns, shoot, window_slopes
+from polydraulic.identification.equations.shooting.runs import first_states, shoot, window_slopes
 from polydraulic.identification.equations.shooting.windows import cut_windows
+from polydraulic.parameters.layout.schema import position_columns
 
 NAME = "wheel_loader"
 STATE = ("p_a", "p_b", "angle", "rate")
@@ -22,7 +23,7 @@ def true_states(machine, log, windows):
 
 def test_the_true_machine_from_its_true_states_gives_the_log():
     machine, log = load_machine(NAME), operator_log(NAME, noise=0.0)
-    windows = cut_windows(machine, log, [*joint_columns(machine), "tilt.p_a", "tilt.spool"], seconds=1.0, most=8)
+    windows = cut_windows(machine, log, [*position_columns(machine), "tilt.p_a", "tilt.spool"], seconds=1.0, most=8)
     rows = shoot(machine, windows, true_states(machine, log, windows))
     assert rows is not None
     scale = np.ptp(windows.measured, axis=(0, 1))
@@ -33,7 +34,7 @@ def test_the_true_machine_from_its_true_states_gives_the_log():
 
 def test_states_without_pressures_come_near_the_true_ones():
     machine, log = load_machine(NAME), operator_log(NAME, noise=0.0)
-    windows = cut_windows(machine, log, joint_columns(machine), seconds=1.0, most=16)
+    windows = cut_windows(machine, log, position_columns(machine), seconds=1.0, most=16)
     n, found, truth = len(machine.names), first_states(machine, windows), true_states(machine, log, windows)
     assert np.median(np.abs(found - truth)[:, : 2 * n]) < 5e5  # Pa
     assert np.allclose(found[:, 2 * n : 3 * n], truth[:, 2 * n : 3 * n], atol=5e-3)
@@ -41,7 +42,7 @@ def test_states_without_pressures_come_near_the_true_ones():
 
 def test_slopes_are_those_of_central_differences():
     machine, log = load_machine(NAME), operator_log(NAME, noise=0.0)
-    windows = cut_windows(machine, log, joint_columns(machine), seconds=1.0, most=8)
+    windows = cut_windows(machine, log, position_columns(machine), seconds=1.0, most=8)
     states = true_states(machine, log, windows)
     here = shoot(machine, windows, states)
     path = "functions.tilt.pilot.gain"
