@@ -85,7 +85,8 @@ def what_data_buy(lab: Lab) -> Figure:
             axis.set_xlabel(with_unit(label, table.unit(label)))
             axis.set_ylabel("end-effector error [mm]")
             axis.grid(alpha=0.3, which="both")
-        axes[0, 0].legend(fontsize="x-small", ncols=2)
+        # between both ways, where no curve passes
+        axes[0, 0].legend(fontsize="x-small", ncols=2, loc="center right", bbox_to_anchor=(1.0, 0.36))
         return figure
 
     see = (
