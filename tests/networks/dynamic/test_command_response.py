@@ -58,6 +58,23 @@ def test_stops_are_those_that_the_joint_was_driven_against(found):
     assert not find_response(free["lever.a"], free["a"], SPANS, 16, ("lever.a", "a")).stops[1]
 
 
+def test_a_stop_that_a_joint_was_driven_against_briefly_is_found():
+    lever = np.repeat(np.random.default_rng(4).uniform(-1.0, 1.0, size=100), 12)
+    change = 0.02 * (np.maximum(lever - 0.2, 0.0) + np.minimum(lever + 0.2, 0.0))
+
+    def joint_up_to(end):
+        joint = np.zeros(len(lever))
+        for t in range(1, len(lever)):
+            joint[t] = min(joint[t - 1] + change[t - 1], end)
+        return joint
+
+    free = joint_up_to(np.inf)
+    ended = joint_up_to(free.max() - 0.08 * np.ptp(free))
+    assert 0 < np.sum((ended == ended.max()) & (change > 0.0)) <= 16  # rows in which the lever drives it on
+    for joint, upper in ((free, False), (ended, True)):
+        assert find_response(lever, joint, [(0, len(lever))], 16, ("u", "y")).stops == (False, upper)
+
+
 def test_openings_read_the_command_of_rows_before(found):
     command = np.where(np.arange(60) < 30, 0.0, 1.0)
     opened = found[0].ramps(command)

@@ -25,7 +25,10 @@ _RIDGE = 1e-3
 _EXPLAINED = 0.2  # of the travel, below which the command does not move the joint
 _CUT = 0.1  # of a response, that may come later than the longest lag
 _KEPT = 0.005  # of the whole: weights below are left out
-_NEAR, _TOWARD, _STANDS = 0.03, 0.03, 0.2  # a stop: so near the end, so much travel expected, so little of it found
+_NEAR, _SHORT = (
+    0.03,
+    0.03,
+)  # of the range: a stop is so near the end, and a joint driven against it falls short by so much
 _SHOWN = 0.9  # of the way from where motion begins to the end of the lever: a full opening beyond it is hardly seen
 _SHORTEST = 0.5  # dead time in rows; a shorter one cannot be told from none
 _LEAST_ROWS, _MOST_ROWS = 4, 120  # of the longest lag
@@ -165,14 +168,13 @@ def find_response(
     if _left_after(longest_lag // 2, best) > _CUT:
         windows = longer
         best = best_of(windows)
-    stops = longer.stops(longer.fitted(*_response(best, sides, longest_lag))[1])
-    stops = (False, False) if continuous else stops
+    stops = (False, False) if continuous else longer.stops(*_response(best, sides, longest_lag))
     if any(stops):
         windows = windows.away_from(stops)
         best = best_of(windows)
     weights, play, rest, edges = _response(best, sides, longest_lag)
     longer = longer.away_from(stops)
-    errors, _ = longer.fitted(weights, play, rest, edges)
+    errors = longer.errors(weights, play, rest, edges)
     explained = 1.0 - float(errors @ errors) / max(float(longer.travel @ longer.travel), 1e-300)
     if not explained >= _EXPLAINED:
         raise InputError(
@@ -201,7 +203,7 @@ def _search(
         return np.insert(unknowns, 2, 0.0) if not with_play else unknowns
 
     found = least_squares(
-        lambda unknowns: windows.fitted(*_response(whole(unknowns), sides, longest_lag))[0],
+        lambda unknowns: windows.errors(*_response(whole(unknowns), sides, longest_lag)),
         np.clip(start, low, high)[open_to], bounds=(low[open_to], high[open_to]), diff_step=1e-3, x_scale=size[open_to],
         loss="soft_l1", f_scale=_SCALE, max_nfev=_EVALUATIONS,
     )  # fmt: skip
@@ -293,17 +295,19 @@ class _Windows:
         self.joint, self.range = joint, max(self.high - self.low, 1e-300)
         self.travel = (joint[self.stop] - joint[self.start]) / self.range
 
-    def fitted(
-        self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Errors of the travel with the best gains of the ramps, and the travel that these expect."""
+    def errors(self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]) -> np.ndarray:
+        """Travel expected with the best gains of the ramps, less that of the joint; (n_window,)."""
+        total = np.cumsum(self._rates(weights, play, rest, edges), axis=0)
+        return np.asarray(total[self.stop] - total[self.start] - self.travel)
+
+    def _rates(self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]) -> np.ndarray:
+        """By row, of ramps with gains that fit the windows best."""
         ramps = _ramps(_filtered(self.command, self.spans, weights, play, rest), edges)
         total = np.cumsum(ramps, axis=0)
         design = total[self.stop] - total[self.start]  # rows after the start
         gram = design.T @ design
         coef = np.linalg.solve(gram + _RIDGE * np.diag(np.diagonal(gram) + 1e-9), design.T @ self.travel)
-        expected = design @ coef
-        return expected - self.travel, expected
+        return np.asarray(ramps @ coef)
 
     def away_from(self, stops: tuple[bool, bool]) -> "_Windows":
         """Windows in which the joint keeps off its stops; all of them if hardly any do."""
@@ -315,12 +319,27 @@ class _Windows:
         found.start, found.stop, found.travel = self.start[off], self.stop[off], self.travel[off]
         return found
 
-    def stops(self, expected: np.ndarray) -> tuple[bool, bool]:
-        """Whether the joint stood at an end although its command drove it on."""
-        place = (self.joint[self.start] - self.low) / self.range
-        at_low = (place < _NEAR) & (expected < -_TOWARD) & (np.abs(self.travel) < _STANDS * np.abs(expected))
-        at_high = (place > 1.0 - _NEAR) & (expected > _TOWARD) & (np.abs(self.travel) < _STANDS * np.abs(expected))
-        return bool(at_low.sum() > 1), bool(at_high.sum() > 1)
+    def stops(
+        self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]
+    ) -> tuple[bool, bool]:
+        """Whether the joint stood at its lower end, and at its upper one, although its command drove it on."""
+        rates = self._rates(weights, play, rest, edges)
+        place = (self.joint - self.low) / self.range
+        return _driven_on(1.0 - place, -rates, self.spans), _driven_on(place, rates, self.spans)
+
+
+def _driven_on(place: np.ndarray, rates: np.ndarray, spans: Sequence[Span]) -> bool:
+    """Whether a joint near its end at 1 fell short of what its command asked for, in a stretch of rows that all drive it on.
+
+    However short that is: an operator lets go of the lever soon after the joint stands.
+    """
+    for a, b in spans:
+        driven = (place[a : b - 1] > 1.0 - _NEAR) & (rates[a + 1 : b] > 0.0)
+        change = np.diff(np.concatenate([[False], driven, [False]]).astype(np.int8))
+        for first, last in zip(a + np.flatnonzero(change > 0), a + np.flatnonzero(change < 0), strict=True):
+            if rates[first + 1 : last + 1].sum() - (place[last] - place[first]) > _SHORT:
+                return True
+    return False
 
 
 def _sides(command: np.ndarray, name: str) -> list[tuple[float, float]]:
