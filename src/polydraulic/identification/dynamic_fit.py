@@ -196,7 +196,9 @@ def fit_log(
     rows = log_rows(table)
     raster = rows.raster or 0.0  # never None where the table has times
     spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
-    held = _held_out(spans, lag(raster), parts_of(table))
+    parts = parts_of(table)
+    logs = np.repeat(np.arange(len(parts)), parts)
+    held = _held_out(spans, lag(raster), parts)
     X, y = table.matrix(inputs), table.matrix(outputs)
     without = y.copy()
     without[rows_of(held)] = np.nan  # a gap, across which nothing is learnt
@@ -208,7 +210,8 @@ def fit_log(
         def tell(step: str, _: int, __: int) -> None:
             progress(f"{what}: {step}", done, 2)
 
-        return learner(raster, tell).fit(X, targets, rows.segments)
+        of = learner(raster, tell)
+        return of.fit(X, targets, rows.segments, **({"logs": logs} if isinstance(of, JointRegressor) else {}))
 
     judged = search(without, "hold out", 0)
     lags = judged.choice_.input_lags, judged.choice_.output_lags

@@ -112,6 +112,29 @@ def test_a_slower_day_is_seen_in_measured_rows():
     assert np.array_equal(fitted.simulate(X, y), usual.simulate(X, y))
 
 
+def test_a_gap_within_a_day_does_not_mix_its_strength_with_that_of_others():
+    speeds = (1.0, 0.8, 1.2)
+    days = [parts(joint_log(n=1000, seed=seed, gap=False, speed=speed)) for seed, speed in enumerate(speeds)]
+    X, y = (np.concatenate([day[k] for day in days]) for k in (0, 1))
+    logs = np.repeat([0, 1, 2], 1000)
+    gaps = logs + (np.arange(3000) > 1100)  # a hundred rows of the second day stand before one
+    learner = JointRegressor(horizon=100, max_terms=1, raster=0.05)
+    strengths = [
+        [model.dynamics.strength for model in learner.fit(X, y, segments, of).models_]
+        for segments, of in ((logs, None), (gaps, logs), (None, logs), (gaps, None))
+    ]
+    days, with_gap, labelled, in_blocks = ([one.spread for one in found] for found in strengths)
+    assert labelled == days
+    assert with_gap == pytest.approx(days, rel=0.2)
+    assert in_blocks != pytest.approx(days, rel=0.3)
+
+
+def test_logs_need_a_label_for_each_row():
+    X, y, segments = parts(joint_log(n=400))
+    with pytest.raises(InputError, match=r"logs has shape \(3,\); it must hold one label for each of the 400 rows"):
+        JointRegressor().fit(X, y, segments, [0, 1, 2])
+
+
 def test_what_makes_no_sense_is_refused():
     X, y, segments = parts(joint_log(n=400))
     with pytest.raises(InputError, match="1 inputs for 2 joints"):

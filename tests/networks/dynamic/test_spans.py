@@ -37,3 +37,10 @@ def test_stretches_are_spans_of_about_one_length_or_blocks():
     assert stretches_of(uneven, 2) == blocks_of(uneven, 2)
     many = [(10 * n, 10 * n + 9) for n in range(11)]
     assert stretches_of(many, 4) == blocks_of(many, 4)
+
+
+def test_each_of_several_logs_is_a_stretch_however_many_gaps_it_has():
+    spans = [(0, 90), (100, 190), (200, 210), (210, 300)]
+    logs = np.repeat([7, 3, 5], 100)
+    assert stretches_of(spans, 4, logs) == [[(0, 90)], [(100, 190)], [(200, 210), (210, 300)]]
+    assert stretches_of(spans, 4, np.zeros(300)) == stretches_of(spans, 4)

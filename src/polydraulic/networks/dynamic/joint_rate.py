@@ -69,7 +69,8 @@ class Rate(NamedTuple):
 
 
 def learn_rate(
-    frame: Frame, factors: Factors, spans: Sequence[Span], away: np.ndarray, window: int, horizon: int, n_blocks: int, most: int
+    frame: Frame, factors: Factors, spans: Sequence[Span], away: np.ndarray, window: int, horizon: int, n_blocks: int, most: int,
+    logs: np.ndarray | None = None,
 ) -> Rate:  # fmt: skip
     """What the openings of a joint's valve do to it, how well that runs, and how much it differs from one stretch of a log to another.
 
@@ -90,10 +91,12 @@ def learn_rate(
         Blocks of rows, each held out once.
     most : int
         Factors beside those that are known, at most.
+    logs : (n_row,) array, optional
+        Which log each row is of; one log if not given.
     """
     blocks = [(without(spans, block), pieces(block, horizon)) for block in blocks_of(spans, n_blocks)]
     stretch = np.zeros(len(frame.signals), dtype=np.int64)
-    parts = stretches_of(spans, n_blocks)
+    parts = stretches_of(spans, n_blocks, logs)
     for n, part in enumerate(parts):
         for a, b in part:
             stretch[a:b] = n

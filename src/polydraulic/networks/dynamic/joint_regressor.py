@@ -67,7 +67,7 @@ class JointRegressor(FreeRunner):
 
     Notes
     -----
-    A model knows how much the strength of its joint, a factor of its rate each way, differs among runs of the log, or blocks of time where it is one: a run
+    A model knows how much the strength of its joint, a factor of its rate each way, differs among logs, or blocks of time where there is one: a run
     that begins after measured rows goes by how strong these show the joint to be (`horizon` of `simulate`). At the start of a segment it is as in the mean. See
     `polydraulic.networks.dynamic.joint_strength`.
 
@@ -101,7 +101,7 @@ class JointRegressor(FreeRunner):
         self.progress = progress
         self.signal_names = signal_names
 
-    def fit(self, X: Any, y: Any, segments: Any = None) -> "JointRegressor":
+    def fit(self, X: Any, y: Any, segments: Any = None, logs: Any = None) -> "JointRegressor":
         """Find how joints respond, and learn their rates.
 
         Parameters
@@ -113,6 +113,8 @@ class JointRegressor(FreeRunner):
             Angles or strokes.
         segments : (n_row,) array-like, optional
             Labels; rows of different labels do not follow each other.
+        logs : (n_row,) array-like, optional
+            Labels of logs, which may be of different days; rows of different ones do not follow each other either. One log if not given.
 
         Raises
         ------
@@ -135,7 +137,15 @@ class JointRegressor(FreeRunner):
             raise InputError(
                 f"continuous = {list(self.continuous)}: joints are numbered 0 to {self.n_outputs_ - 1}, {strange} are none"
             )
-        spans = spans_of(segments, np.isfinite(signals).all(axis=1))
+        known = np.isfinite(signals).all(axis=1)
+        logs = None if logs is None else np.asarray(logs)
+        if logs is not None and logs.shape != (len(X),):
+            raise InputError(f"logs has shape {logs.shape}; it must hold one label for each of the {len(X)} rows")
+        spans = spans_of(segments, known)
+        if logs is not None:
+            spans = [
+                (max(a, c), min(b, d)) for a, b in spans for c, d in spans_of(logs, known) if max(a, c) < min(b, d)
+            ]
         n, names = self.n_outputs_, self._names()
         said = names if self.signal_names is None else list(self.signal_names)
         if len(said) != len(names):
@@ -166,7 +176,7 @@ class JointRegressor(FreeRunner):
         for k in range(n):
             self.progress(f"rate of {said[self.n_features_in_ + k]}", n + k, 2 * n)
             with one_blas_thread():
-                found.append(self._learn(k, signals, spans, targets))
+                found.append(self._learn(k, signals, spans, targets, logs))
         self.models_ = [model for model, _, _ in found]
         self.warm_up_ = max(model.dynamics.warm_up for model in self.models_ if model.dynamics)
         read = {
@@ -205,7 +215,9 @@ class JointRegressor(FreeRunner):
             f"before the first one that is learnt from: rows {', '.join(short[:_NAMED])}{more}; {self._remedy()}"
         ]
 
-    def _learn(self, k: int, signals: np.ndarray, spans: list[Span], targets: list[Span]) -> tuple[Model, int, float]:
+    def _learn(
+        self, k: int, signals: np.ndarray, spans: list[Span], targets: list[Span], logs: np.ndarray | None
+    ) -> tuple[Model, int, float]:
         """Model of joint `k`, its number of terms, and their error on blocks held out."""
         first, response = self.n_features_in_, self.responses_[k]
         short = [sum(b - a for a, b in block) for block in blocks_of(targets, self.n_blocks)]
@@ -227,7 +239,7 @@ class JointRegressor(FreeRunner):
         factors = Factors(tuple(range(n_own)), known, (*range(n_own), *range(opened.shape[1], last)))
         away = away_from_stops(signals[:, first + k], spans, response.stops)
         terms, error, strength = learn_rate(
-            frame, factors, targets, away, self.longest_lag, self.horizon, self.n_blocks, self.max_terms
+            frame, factors, targets, away, self.longest_lag, self.horizon, self.n_blocks, self.max_terms, logs
         )
         network, reads = joint_network(frame, terms, ramps, n_own, signals, columns, targets)
         names = self._names()

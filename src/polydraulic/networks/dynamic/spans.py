@@ -59,15 +59,26 @@ def blocks_of(spans: Sequence[Span], n_block: int) -> list[list[Span]]:
     return found
 
 
-def stretches_of(spans: Sequence[Span], n_block: int) -> list[list[Span]]:
-    """Parts of a log that may be of different days: its spans if they are a few of about the same length, else blocks of them.
+def stretches_of(spans: Sequence[Span], n_block: int, logs: np.ndarray | None = None) -> list[list[Span]]:
+    """Parts of a log that may be of different days: each of several logs, however many gaps it has.
+
+    Of one log these are its spans if they are a few of about the same length, else blocks of them.
 
     Parameters
     ----------
     spans : sequence of (start, stop)
+        None reaches across the end of a log.
     n_block : int
-        Blocks of equally many rows, where spans are one, many, or of very different lengths.
+        Blocks of equally many rows, where spans of one log are one, many, or of very different lengths.
+    logs : (n_row,) array, optional
+        Which log each row is of; one log if not given.
     """
+    if logs is not None:
+        of_log: dict[Any, list[Span]] = {}
+        for span in spans:
+            of_log.setdefault(logs[span[0]], []).append(span)
+        if len(of_log) > 1:
+            return list(of_log.values())
     sizes = [b - a for a, b in spans]
     if 1 < len(spans) <= _MOST_STRETCHES and min(sizes) * len(spans) >= _ABOUT * sum(sizes):
         return [[span] for span in spans]
