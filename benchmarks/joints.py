@@ -7,7 +7,8 @@ with an irregular clock; commands of the valves, strokes of the cylinders, angle
 Windows of 10 s and 30 s begin every half second, from 2 s on, as far as models with play look back; the error at their end, mean over windows,
 is given in % of the joint's range in the logs that were learnt from. The swing is said to turn without end. Runs 4 and 5 play no part in any
 choice. Joint models go by how strong the rows before a window, as far back as the log's first, show the joints to be; a row of the table has
-them without. ARX models have nothing of the kind. The last row is learnt from these two themselves: what models of this form can do at all,
+them without, and one knows them from the run itself: one pair for each joint and run, which no forecast can know, that makes the
+mean error least on a grid. ARX models have nothing of the kind. The last row is learnt from these two themselves: what models of this form can do at all,
 next to which the row above shows how much differs from run to run. A last table judges each of runs 1 to 3 by a model of the other two, which all choices go by, and by one of
 itself, which says what is left where a model has seen how strong the machine was that day.
 """
@@ -16,6 +17,7 @@ import argparse
 import tempfile
 import warnings
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +26,7 @@ from threadpoolctl import threadpool_limits
 from polydraulic.identification import fit_dynamic, fit_joints
 from polydraulic.measure.channels import channel_map
 from polydraulic.measure.importing import import_log
-from polydraulic.networks.dynamic.free_run import prepare_loop, run_windows
+from polydraulic.networks.dynamic.free_run import prepare_loop, run_as_strong, run_windows
 from polydraulic.networks.dynamic.spans import lagged, rows_of, spans_of
 from polydraulic.tables import read_table
 from polydraulic.thesis.timing import timed
@@ -40,6 +42,7 @@ AT_END, SETTLED, OPENED = (
     14,
 )  # a command at the end of its lever: share of its range, rows until the valve is open, and rows in all
 LEARNT, JUDGED = (1, 2, 3), (4, 5)
+STRENGTHS = np.arange(0.7, 1.21, 0.05)  # that are tried where they are known afterwards
 
 
 def main():
@@ -105,6 +108,8 @@ def show(learnt, judged, networks):
                 f"{name}, always as strong as in the mean", [m.n_coefficients for m in same], seconds, free_run_of(same)
             )
         if logs is learnt and fit is joint_models:
+            cells = [in_percent(known_afterwards(found.models, judged, round(s / RASTER)) / scale) for s in SECONDS]
+            print(f"| {name}, strengths of each run known afterwards | - | {' | '.join(cells)} | - |", flush=True)
             strengths = [(model.output.name, model.dynamics.strength) for model in found.models]
             responses = [one.training["response"] for one in found.models]
     print("\n".join(f"\n{name}: {response}" for name, response in zip(JOINTS, responses, strict=True)), flush=True)
@@ -198,6 +203,26 @@ def ends(run, log, horizon):
     spans = spans_of(log["segment"], np.ones(len(log), dtype=bool))
     starts = [(a, low) for low, high in spans for a in range(low + FIRST, high - horizon + 1, EVERY)]
     return np.abs([run(signals, a, a + horizon, low) - signals[a + horizon - 1, 4:] for a, low in starts])
+
+
+def known_afterwards(models, logs, horizon):
+    """Mean error of each joint at the end of windows with the one pair of strengths for each log that makes it least there."""
+    loop = prepare_loop(models, [*COMMANDS, *JOINTS])
+    sizes = []
+    for log in logs:
+        tried = []
+        for pair in product(STRENGTHS, STRENGTHS):
+            strength = np.tile(pair, (1, len(JOINTS), 1))
+            tried.append(
+                ends(
+                    lambda s, a, b, low, strength=strength: run_as_strong(loop, s[:b], [(a, b)], strength)[-1],
+                    log,
+                    horizon,
+                )
+            )
+        best = np.argmin([found.mean(axis=0) for found in tried], axis=0)
+        sizes.append(np.column_stack([tried[n][:, joint] for joint, n in enumerate(best)]))
+    return np.concatenate(sizes).mean(axis=0)
 
 
 READS = [(column, step) for step in (1, 2, 3) for column in range(8)]

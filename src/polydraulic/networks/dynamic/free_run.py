@@ -193,9 +193,13 @@ def run_windows(
     (n_row, n_output) array
         The measured outputs outside the windows.
     """
+    return run_as_strong(loop, signals, windows, strengths_before(loop, signals, windows, since))
+
+
+def run_as_strong(loop: Loop, signals: np.ndarray, windows: Sequence[Span], strength: np.ndarray) -> np.ndarray:
+    """The same with strengths that are given, (n_window, n_output, 2) factors of rates, upwards and downwards."""
     found = signals[:, signals.shape[1] - len(loop.root) :].copy()
     ends = np.array(windows, dtype=np.int64).reshape(-1, 2)
-    strength = strengths_before(loop, signals, windows, since)
     _run(loop, signals, ends[:, 0].copy(), ends[:, 1].copy(), strength, found, np.zeros(work_size(loop.table)))
     return found
 
