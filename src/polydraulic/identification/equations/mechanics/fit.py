@@ -1,13 +1,15 @@
-"""Masses and friction from pressures and positions: linear regression of the oil's torques, and the machine nearest to what was known.
+"""Masses and friction from pressures and positions: the oil's torques, and the machine nearest to what was known.
 
-The rows of `motion_rows` are linear in inertial numbers and friction. Their triangle holds all that the log says; numbers of the machine
-file are then found such that they fit it and stay near their priors, so that what the motion does not determine stays where it was.
+The rows of `motion_rows` are linear in inertial numbers and friction: from them it begins. Those of `noisy_motion`, which take noise of positions
+for what it is, are linearised about what was found, three times over. What rows say stands in one matrix and one vector; numbers of the machine file are
+found such that they fit these and stay near their priors, so that what the motion does not determine stays where it was.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.optimize import least_squares
 
 from polydraulic.errors import InputError
@@ -18,17 +20,16 @@ from polydraulic.identification.equations.mechanics.inertia import inertial_valu
 from polydraulic.identification.equations.mechanics.motion_rows import (
     FRICTION,
     MotionRows,
-    Piece,
     measured_pieces,
     motion_rows,
 )
-from polydraulic.identification.equations.mechanics.noise_bias import noise_pull
-from polydraulic.identification.equations.mechanics.weight_widths import weight_widths
+from polydraulic.identification.equations.mechanics.noisy_motion import NoisyMotion, NoisyRows
+from polydraulic.identification.equations.mechanics.weight_widths import sensor_noise, weight_widths
 from polydraulic.identification.equations.numbers.estimates import (
     Estimates,
     correlation_of,
     estimates_of,
-    unhidden,
+    left_out,
 )
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
@@ -43,9 +44,9 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.tables import Table
 
+_LINEARISED = 3  # times, about what was found before
 _PASSES = 8  # of weights that follow the residuals
 _ROBUST = 2.0  # standard deviations from which on a row counts less
-_BLOCK = 2.0  # s, over which residuals may go together: filter and weight join rows over half of that
 _LAG_SPREAD = 0.02  # s
 _INERTIAL = ("mass", "cg", "inertia")
 _FEW = 50  # rows
@@ -56,8 +57,8 @@ _STEP_OF_RUNS = 5e-3  # s, as `simulate` has it unless told otherwise
 class BaseEstimate(NamedTuple):
     """A base parameter: what it is made of, value, standard deviation, and whether the log says more than the priors did.
 
-    The standard deviation follows from how residuals scatter. It does not hold what the filter of `motion_rows` does to fast motion:
-    a combination that is small against what others add to the same torques may be off by many of it.
+    The standard deviation follows from how residuals scatter. It does not hold what happens between the rows of a log: a combination that is
+    small against what others add to the same torques may be off by more.
     """
 
     text: str
@@ -80,7 +81,7 @@ class MechanicsFit(NamedTuple):
     lag : float, s
         By how much pressures are late against positions.
     residual : tuple of float, N m or N
-        Robust standard deviation of what is left of each function's torque.
+        Robust standard deviation of what is left of each function's mean torque over 0.3 s.
     noise : tuple of float, N m or N
         Of what noise of the sensors alone makes of it.
     torque : tuple of float, N m or N
@@ -167,35 +168,26 @@ def fit_mechanics(
     base = base_parameters(machine)
     pieces = measured_pieces(machine, table)
     widths = weight_widths(machine, base.numbers, pieces)
-
-    def rows_of(pieces: Sequence[Piece]) -> MotionRows:
-        return motion_rows(machine, base.numbers, pieces, widths, step)
-
-    rows = rows_of(pieces)
+    rows = motion_rows(machine, base.numbers, pieces, widths, step)
     if rows.known.sum() < _FEW:
         raise InputError(
             f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least"
         )
-    told = _told(rows)
-    pull = noise_pull(rows_of, pieces, told.weight, told.solution)
-    return _nearest(
-        machine, numbers, base, told._replace(right=told.right - pull.gradient), pull.deviation, _sizes(rows)
-    )
+    unknowns = _Unknowns(machine, numbers, base)
+    x = unknowns.nearest(*_regression(rows), np.append(to_unbounded(numbers, numbers.start), 0.0))
+    at = unknowns.linear(x)
+    motion = NoisyMotion(machine, base, at[: len(base.numbers)], pieces, sensor_noise(pieces), at[-1], step)
+    combine = block_diag(base.combine, np.eye(len(at) - len(base.numbers)))  # friction and lag are as they are
+    for _ in range(_LINEARISED):
+        at = unknowns.linear(x)
+        told = motion.rows_at(combine @ at)
+        information = combine.T @ told.gram.sum(0) @ combine
+        x = unknowns.nearest(information, information @ at + combine.T @ told.pull.sum(0), x)
+    return _found(unknowns, x, told, motion, _sizes(rows))
 
 
-class _Told(NamedTuple):
-    """What rows say of what they are linear in: information @ solution = right; `scatter` is that of the right side over blocks."""
-
-    information: np.ndarray
-    right: np.ndarray
-    scatter: np.ndarray
-    deviation: np.ndarray
-    weight: np.ndarray
-    solution: np.ndarray
-
-
-def _told(rows: MotionRows) -> _Told:
-    """Weights follow residuals: rows far off count less, and each function counts by its own deviation."""
+def _regression(rows: MotionRows) -> tuple[np.ndarray, np.ndarray]:
+    """Information and right side of rows as they are. Weights follow residuals: those far off count less, and each function by its deviation."""
     n, known = rows.torque.shape[1], rows.known
     deviation = np.array([robust_deviation(rows.torque[known[:, k], k]) for k in range(n)])
     length = np.sqrt(np.einsum("tkc,tkc->c", rows.regressor, rows.regressor))
@@ -209,14 +201,8 @@ def _told(rows: MotionRows) -> _Told:
         off = scaled @ x - rows.torque
         deviation = np.array([robust_deviation(off[known[:, k], k]) for k in range(n)])
         far = np.abs(off) / deviation
-    gradient = np.einsum("tkc,tk->tc", scaled, weight * off)
-    blocks = np.unique((rows.time // _BLOCK).astype(int), return_inverse=True)[1]
-    sums = np.zeros((blocks.max() + 1, gradient.shape[1]))
-    np.add.at(sums, blocks, gradient)
-    numbers = int(np.linalg.matrix_rank(information, rtol=1e-9, hermitian=True))
-    scatter = sums.T @ sums * unhidden(len(sums), numbers)
     both = np.outer(length, length)
-    return _Told(information * both, right * length, scatter * both, deviation, weight, x / length)
+    return information * both, right * length
 
 
 def _sizes(rows: MotionRows) -> np.ndarray:
@@ -224,38 +210,51 @@ def _sizes(rows: MotionRows) -> np.ndarray:
     return np.asarray(np.sqrt((rows.torque**2 * rows.known).sum(0) / np.maximum(rows.known.sum(0), 1)))
 
 
-def _nearest(
-    machine: LayoutMachine, numbers: Unbounded, base: BaseParameters, told: _Told, noise: np.ndarray, torque: np.ndarray
-) -> MechanicsFit:
-    """Numbers that fit what the log says and stay near their priors."""
-    square = _root(told.information)
-    aim = np.linalg.lstsq(square.T, told.right, rcond=1e-12)[0]
-    to_base = base.combine
+class _Unknowns:
+    """The numbers that are free and the lag of pressures, as one vector without bounds, and what rows are linear in."""
 
-    def linear(x: np.ndarray) -> np.ndarray:
-        values = dict(zip(numbers.paths, from_unbounded(numbers, x[:-1]).tolist(), strict=True))
+    def __init__(self, machine: LayoutMachine, numbers: Unbounded, base: BaseParameters) -> None:
+        self.machine, self.numbers, self.base = machine, numbers, base
+
+    def linear(self, x: np.ndarray) -> np.ndarray:
+        """Inertial numbers, friction and lag."""
+        values = dict(zip(self.numbers.paths, from_unbounded(self.numbers, x[:-1]).tolist(), strict=True))
         friction = [
             values.get(f"functions.{f.name}.friction.{name}", getattr(f.friction, name))
-            for f in machine.functions
+            for f in self.machine.functions
             for name in FRICTION
         ]
-        return np.concatenate([inertial_values(_moved(machine, values), base.numbers), friction, [x[-1] * _LAG_SPREAD]])
+        inertial = inertial_values(_moved(self.machine, values), self.base.numbers)
+        return np.concatenate([inertial, friction, [x[-1] * _LAG_SPREAD]])
 
-    def residual(x: np.ndarray) -> np.ndarray:
-        prior = (from_unbounded(numbers, x[:-1]) - numbers.start) / numbers.spread
-        return np.concatenate([square @ linear(x) - aim, prior, x[-1:]])
+    def nearest(self, information: np.ndarray, right: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Numbers that fit what the log says and stay near their priors."""
+        square, numbers = _root(information), self.numbers
+        aim = np.linalg.lstsq(square.T, right, rcond=1e-12)[0]
 
-    start = np.append(to_unbounded(numbers, numbers.start), 0.0)
-    found = least_squares(residual, start, method="trf", max_nfev=60, x_scale=1.0).x
+        def residual(x: np.ndarray) -> np.ndarray:
+            prior = (from_unbounded(numbers, x[:-1]) - numbers.start) / numbers.spread
+            return np.concatenate([square @ self.linear(x) - aim, prior, x[-1:]])
+
+        return np.asarray(least_squares(residual, start, method="trf", max_nfev=60, x_scale=1.0).x)
+
+
+def _found(
+    unknowns: _Unknowns, found: np.ndarray, told: NoisyRows, motion: NoisyMotion, torque: np.ndarray
+) -> MechanicsFit:
+    """What comes of it, with standard deviations."""
+    machine, numbers, base = unknowns.machine, unknowns.numbers, unknowns.base
+    to_base = base.combine
     own = slopes_of_values(numbers, found[:-1])
-    slopes = _slopes(linear, found)[:, :-1] @ np.linalg.inv(own)  # of the linear unknowns over values
-    lag = np.zeros(len(square))
-    lag[-1] = 1.0
-    slopes = np.column_stack([slopes, lag])
+    slopes = _slopes(unknowns.linear, found)[:, :-1] @ np.linalg.inv(own)  # of the linear unknowns over values
+    slopes = np.column_stack([slopes, np.eye(len(slopes))[-1]])  # of the lag itself
     prior = np.diag(1.0 / np.append(numbers.spread, _LAG_SPREAD) ** 2)
-    seen = slopes.T @ told.information @ slopes
+    n = len(base.numbers)
+    of_base = np.concatenate([to_base @ slopes[:n], slopes[n:]])
+    gram = of_base.T @ told.gram @ of_base
+    seen = gram.sum(0)
     inverse = np.linalg.inv(seen + prior)
-    covariance = inverse @ (slopes.T @ told.scatter @ slopes + prior) @ inverse
+    covariance = left_out(gram, told.pull @ of_base, prior) + inverse @ prior @ inverse
     values = from_unbounded(numbers, found[:-1])
     estimates = estimates_of(
         numbers.paths,
@@ -265,7 +264,6 @@ def _nearest(
         correlation_of(seen[:-1, :-1], numbers.spread),
     )
     there = machine.with_values(dict(zip(numbers.paths, values.tolist(), strict=True)))
-    n = len(base.numbers)
     to_values = to_base @ slopes[:n, :-1]
     sd = np.sqrt(np.einsum("ij,jk,ik->i", to_values, covariance[:-1, :-1], to_values))
     before = np.sqrt(np.einsum("ij,j,ij->i", to_values, numbers.spread**2, to_values))
@@ -274,12 +272,13 @@ def _nearest(
         BaseEstimate(text, float(value), float(own_sd), bool(own_sd < 0.5 * prior_sd))
         for text, value, own_sd, prior_sd in zip(base.texts, made, sd, before, strict=True)
     )
+    noise = motion.noise_of_means()
     return MechanicsFit(
         there,
         estimates,
         told_base,
         float(found[-1] * _LAG_SPREAD),
-        tuple(told.deviation.tolist()),
+        tuple((motion.spread * noise).tolist()),
         tuple(noise.tolist()),
         tuple(torque.tolist()),
     )

@@ -83,7 +83,7 @@ def motion_rows(
         )
     made = [rows for piece in pieces for rows in [_of_piece(machine, numbers, piece, widths, step)] if rows is not None]
     if not made:
-        raster = min(map(_raster_of, pieces))
+        raster = min(map(raster_of_piece, pieces))
         longest = len(_modulating(float(np.max(widths)), raster)[0])
         least = (_least_rows(len(_filter(raster)[0]), longest) - 1) * raster
         raise InputError(
@@ -95,7 +95,7 @@ def motion_rows(
 def _of_piece(
     machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece, widths: np.ndarray, step: float
 ) -> MotionRows | None:
-    raster = _raster_of(piece)
+    raster = raster_of_piece(piece)
     smooth, slope = _filter(raster)
     weights = [_modulating(width, raster) for width in widths.tolist()]
     longest = max(len(weight) for weight, _ in weights)
@@ -106,23 +106,23 @@ def _of_piece(
     late = -oil_torques(machine, position, _passed(piece.p_a, slope), _passed(piece.p_b, slope))[:, :, None]
     moments = _momentum(machine, numbers, position, rate)
     before = rate - 0.5 * step * np.gradient(rate, raster, axis=0)
-    others = np.concatenate([_friction(machine, before), late], axis=-1)
+    others = np.concatenate([friction_regressor(machine, before), late], axis=-1)
     rest = np.concatenate([_rest(machine, numbers, position, rate), others], axis=-1)
-    known, stride = _steady(machine, position, rate), max(1, round(widths.min() / raster))
+    known, stride = steady(machine, position, rate), max(1, round(widths.min() / raster))
     of = []
     for k, (weight, weight_slope) in enumerate(weights):
         short = (longest - len(weight)) // 2  # at the same instants as the longest
         inside = slice(short, len(rate) - short)
         made = _passed(rest[inside, k], weight)
         made[:, : len(numbers)] += _passed(moments[inside, k], weight_slope)
-        steady = np.all(np.lib.stride_tricks.sliding_window_view(known[inside, k], len(weight)), axis=-1)
-        of.append((made[::stride], _passed(torque[inside, k], weight)[::stride], steady[::stride]))
+        whole = np.all(np.lib.stride_tricks.sliding_window_view(known[inside, k], len(weight)), axis=-1)
+        of.append((made[::stride], _passed(torque[inside, k], weight)[::stride], whole[::stride]))
     regressor, oil, told = (np.stack(parts, axis=1) for parts in zip(*of, strict=True))
     first = len(smooth) // 2 + longest // 2
     return MotionRows(regressor, oil, told, piece.time[first : len(piece.time) - first : stride])
 
 
-def _raster_of(piece: Piece) -> float:
+def raster_of_piece(piece: Piece) -> float:
     """Time between rows of a piece of two at least, s."""
     return float(np.median(np.diff(piece.time)))
 
@@ -154,7 +154,7 @@ def _rest(machine: LayoutMachine, numbers: Sequence[Inertial], q: np.ndarray, qd
     return still - (ahead - behind) / (2.0 * _STEP)
 
 
-def _friction(machine: LayoutMachine, rate: np.ndarray) -> np.ndarray:
+def friction_regressor(machine: LayoutMachine, rate: np.ndarray) -> np.ndarray:
     """Friction for each unit of coulomb, static and viscous friction of each function."""
     n = len(machine.functions)
     found = np.zeros((len(rate), n, 3 * n))
@@ -166,7 +166,7 @@ def _friction(machine: LayoutMachine, rate: np.ndarray) -> np.ndarray:
     return found
 
 
-def _steady(machine: LayoutMachine, position: np.ndarray, rate: np.ndarray) -> np.ndarray:
+def steady(machine: LayoutMachine, position: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Where a joint is away from its stops and moves faster than what smooths its friction."""
     known = np.empty(rate.shape, dtype=bool)
     for k, f in enumerate(machine.functions):
@@ -208,6 +208,19 @@ def _passed(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
     shape = (-1, *[1] * (values.ndim - 1))
     return np.asarray(oaconvolve(values, weight[::-1].reshape(shape), mode="valid", axes=0))
+
+
+def smoothed(values: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]:
+    """Values and their rates, filtered, at all rows of a piece, (n_row, n); beyond its ends it goes on as its mirror image about the last row."""
+    smooth, slope = _filter(raster)
+    reach = len(smooth) // 2
+    longer = np.pad(values, ((reach, reach), (0, 0)), mode="reflect", reflect_type="odd")
+    return _passed(longer, smooth), _passed(longer, slope)
+
+
+def rate_noise(raster: float) -> float:
+    """Standard deviation of a filtered rate for each unit of that of white noise of positions, 1/s."""
+    return float(np.sqrt(np.sum(_filter(raster)[1] ** 2)))
 
 
 def measured_pieces(machine: LayoutMachine, table: Table) -> list[Piece]:
