@@ -1,7 +1,6 @@
 """A controller as C next to the package: the same bits at every call."""
 
 import ctypes
-import shutil
 import subprocess
 
 import numpy as np
@@ -11,7 +10,6 @@ from polydraulic import InputError, Simulator, load_machine
 from polydraulic.control import ControlSettings, CoordinatedControl, run_controlled, straight_line
 from polydraulic.export.controller import controller_c, export_controller
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 CHECKED = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 
 

@@ -1,6 +1,5 @@
 """One record for all exporters."""
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -51,7 +50,6 @@ def test_who_shifts_the_lagged_values_of_a_dynamic_model_is_told(to, tmp_path):
         assert told in text  # in the file, too
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_binaries_are_named(exported_models, tmp_path):
     made = export_fmu(exported_models["single"], tmp_path / "s.fmu", compiler="gcc")
     assert len(made.binaries) == 1

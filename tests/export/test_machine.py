@@ -21,7 +21,6 @@ from polydraulic.simulation.layout.runs import step_inputs
 from polydraulic.simulation.steps import DIVERGED
 from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 SCENARIOS = ("sine", "step", "pulse", "task")
 PLACES = {name: place for place, (name, _) in enumerate(machine_parts("cat215b", "exact").outputs)}
 BAD_INPUT = 8

@@ -12,7 +12,6 @@ from polydraulic.export import agreement_table, build, fresh, targets, verify, v
 from polydraulic.networks import Model
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_all_targets_agree(exported_models):
     found, not_tried = verify_models(exported_models["several"], n=300)
     targets = {a.target for a in found}
@@ -44,7 +43,6 @@ def test_all_targets_agree(exported_models):
     )
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_models_that_run_are_compared_row_by_row():
     found, not_tried = verify_models(joints(), n=30)
     rows = {a.target for a in found if a.target.endswith(" run")}
@@ -62,7 +60,6 @@ def test_models_that_run_are_compared_row_by_row():
     assert "fmi3 run" not in without
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_a_run_that_differs_is_told(monkeypatch):
     right = fresh.run_texts
 
@@ -128,7 +125,6 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
     assert not_tried["onnx float"] == 'needs onnx: pip install "polydraulic[verify]"'
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_single_precision_beyond_what_is_proved_is_told(exported_models, monkeypatch):
     right = fresh.to_c
 
@@ -147,7 +143,6 @@ def test_single_precision_beyond_what_is_proved_is_told(exported_models, monkeyp
     assert agreement_table(found, not_tried).count("DIFFERS") == 1
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_of_many_networks_nothing_is_proved_unless_asked_for(exported_models, monkeypatch):
     monkeypatch.setattr(verify, "PROVED", 1)
     targets_of = verify._targets

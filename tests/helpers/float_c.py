@@ -1,7 +1,6 @@
 """Exported `float` C, compiled in several ways: the judged of proved allowances."""
 
 import ctypes
-import shutil
 import subprocess
 
 import numpy as np
@@ -59,8 +58,6 @@ def float_c(models, folder, way="O2"):
 
 def ways():
     """Those that this machine can do."""
-    if shutil.which("gcc") is None:
-        return []
     found = []
     for way, flags in WAYS.items():
         source = (

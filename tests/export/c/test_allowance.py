@@ -1,6 +1,5 @@
 """What is proved of `float` C, held to the compiled code and to rational numbers."""
 
-import shutil
 from dataclasses import replace
 from fractions import Fraction
 
@@ -22,8 +21,6 @@ from polydraulic.networks import Model, Network, Node, Variable
 from polydraulic.networks.model.nodes import LINEAR, SIGMOID, SINGLE
 from polydraulic.networks.model.partition import Split, region_of
 from polydraulic.networks.model.table import UNBOUNDED
-
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
 
 def model_of(*networks, partition=0, name="y"):

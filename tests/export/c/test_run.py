@@ -1,7 +1,6 @@
 """Dynamic models as C that runs: the bits of `free_run`, strengths included, and what has no answer."""
 
 import ctypes
-import shutil
 import subprocess
 from dataclasses import replace
 
@@ -15,7 +14,6 @@ from polydraulic.export.c.run import run_of, try_run
 from polydraulic.export.model_bundle import bundle
 from polydraulic.networks import Lag, free_run
 
-needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 CHECKED = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-pedantic", "-Werror"]  # fmt: skip
 INSIDE, OUTSIDE, NOT_A_NUMBER, TOO_FEW = range(4)
 FIRST = 3  # the longest lag
@@ -69,7 +67,6 @@ def exported(tmp_path_factory):
     return CRun(joints(), tmp_path_factory.mktemp("run"))
 
 
-@needs_gcc
 @pytest.mark.parametrize("horizon", [1, 40, 150])
 def test_a_run_has_the_bits_of_the_package(exported, horizon):
     signals = log(600)
@@ -81,7 +78,6 @@ def test_a_run_has_the_bits_of_the_package(exported, horizon):
     assert exported.strengths()[2:] == [1.0, 1.0]
 
 
-@needs_gcc
 def test_what_has_no_answer_says_so(exported):
     signals = log(60)
     exported.begin()
@@ -113,7 +109,6 @@ def test_what_has_no_answer_says_so(exported):
     assert exported.next(np.array([0.0, 9.0, 0.0, 0.0]))[0] == OUTSIDE
 
 
-@needs_gcc
 def test_in_float_it_runs_as_the_function_does(exported, tmp_path):
     single, signals = CRun(joints(), tmp_path, "float"), log(300)
     exported.begin()
@@ -122,7 +117,6 @@ def test_in_float_it_runs_as_the_function_does(exported, tmp_path):
     assert "SELF_TEST" not in (tmp_path / "m_run.c").read_text()
 
 
-@needs_gcc
 @pytest.mark.parametrize("models", [joints(), joints(raster=None), [joint("boom", [Lag("boom", 1)], [0.9])]])
 def test_the_self_test_passes_and_sees_another_bit(models, tmp_path):
     export_c(models, tmp_path, name="m")
@@ -138,7 +132,6 @@ def test_the_self_test_passes_and_sees_another_bit(models, tmp_path):
     assert subprocess.run([tmp_path / "m"], check=False).returncode == len(trial.signals)
 
 
-@needs_gcc
 @pytest.mark.parametrize(
     "name", ["y", "own", "row", "states", "answer", "minimum", "WEAKEST", "Belief", "N_OUT", "N_IN"]
 )

@@ -1,7 +1,5 @@
 """FMUs of the whole machine in FMPy: the bits of `simulate`, at any communication step."""
 
-import shutil
-
 import numpy as np
 import pytest
 
@@ -18,7 +16,6 @@ from polydraulic.thesis.excavator import LINKS, with_pumps
 
 fmpy = pytest.importorskip("fmpy")
 validation = pytest.importorskip("fmpy.validation")
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 NAMES = [name for name, _ in machine_parts("cat215b", "exact").outputs]
 N_OUT = len(NAMES)
 TIP = 3  # columns of the effector, the last

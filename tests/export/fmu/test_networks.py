@@ -19,7 +19,6 @@ from polydraulic.export import build, bundle
 from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.networks import Model, Variable
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 TYPES = ("ModelExchange", "CoSimulation")
 
 

@@ -1,7 +1,5 @@
 """Dynamic models as FMUs that run: the bits of `free_run`, and steps that have no answer."""
 
-import shutil
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,6 @@ from polydraulic.networks import Lag, free_run
 
 fmpy = pytest.importorskip("fmpy")
 validation = pytest.importorskip("fmpy.validation")
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 DT, MEASURED = 0.05, 300
 
 

@@ -1,6 +1,5 @@
 """Statements: what is declared where, and a clear no where there is no counterpart."""
 
-import shutil
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +35,6 @@ def swapped(x: float) -> float:
     return _swapped(x)
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_a_part_of_what_changes_later_is_copied(tmp_path):
     c, text = library(tmp_path, (swapped, [0.0]))
     assert "const Nested inner = value.inner;" in text

@@ -1,7 +1,5 @@
 """A machine that is watched, as FMUs in FMPy: evidence and alarms of the package."""
 
-import shutil
-
 import pytest
 
 from helpers.watched_logs import known, log_of, made_networks
@@ -11,7 +9,6 @@ from polydraulic.watch.watch import FaultWatch
 
 fmpy = pytest.importorskip("fmpy")
 validation = pytest.importorskip("fmpy.validation")
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
 
 class Running:

@@ -1,16 +1,12 @@
 """The test that an exported watch brings along: it passes, and finds a number that is another."""
 
 import re
-import shutil
 import subprocess
-
-import pytest
 
 from helpers.watched_logs import known, made_networks
 from polydraulic.export.watch.source import export_watch
 from polydraulic.watch.watch import FaultWatch
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 CHECKED = [
     "-std=c99",
     "-O1",

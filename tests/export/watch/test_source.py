@@ -1,7 +1,6 @@
 """A machine that is watched as C next to the package: the same bits with every row, alarms included."""
 
 import ctypes
-import shutil
 import subprocess
 
 import numpy as np
@@ -13,7 +12,6 @@ from polydraulic.export.watch.source import export_watch, fault_names, watch_c
 from polydraulic.watch.kernels.rows import JUDGED
 from polydraulic.watch.watch import FaultWatch
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 CHECKED = ["-std=c99", "-O1", "-Wall", "-Wextra", "-pedantic", "-Werror"]
 ALARM = JUDGED + 1
 

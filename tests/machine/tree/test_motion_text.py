@@ -4,7 +4,6 @@ import ast
 import ctypes
 import os
 import re
-import shutil
 import subprocess
 import sys
 from typing import NamedTuple
@@ -198,7 +197,6 @@ def test_compiled_and_plain_python_have_equal_bits(tree):
     assert np.array_equal(plain.view(np.int64), tree.found[:300].view(np.int64))
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_c_has_the_same_bits(tree, tmp_path):
     """The kernels translate as they are."""
     n, columns = len(moving(tree.links)), len(tree.columns)

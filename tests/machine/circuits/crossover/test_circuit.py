@@ -1,7 +1,6 @@
 """The crossover valve against brackets within brackets in twice the precision; what it is without flow, wide open, in C."""
 
 import os
-import shutil
 
 import numba
 import numpy as np
@@ -129,7 +128,6 @@ def into(v: np.ndarray, out: np.ndarray) -> float:
     return s.q_cross
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_c_has_the_same_bits(machine, tmp_path):
     c, _ = library(tmp_path, (into, [np.zeros(26), np.zeros(16)]))
     for kind in STATES:

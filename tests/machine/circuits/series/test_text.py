@@ -1,7 +1,6 @@
 """Circuits of n valves in series against another method in twice the precision; lanes, plain Python and C."""
 
 import os
-import shutil
 import subprocess
 import sys
 
@@ -177,7 +176,6 @@ def into(s: np.ndarray, out: np.ndarray) -> float:
 """
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 @pytest.mark.parametrize("n", [3, SLOW[1]])
 def test_c_has_the_same_bits(machine, n, tmp_path):
     module = made(f"made_series_{n}_in_c", f"{IMPORTS}\n\n\n{series_text(n)}{_entry(n)}")

@@ -1,7 +1,5 @@
 """Margins of an exported machine: the bits of the columns of a run, on the slope that is given at each step."""
 
-import shutil
-
 import numpy as np
 import pytest
 
@@ -13,8 +11,6 @@ from polydraulic.parameters.layout.chassis import Slope
 from polydraulic.simulation.layout.runs import step_inputs
 from polydraulic.simulation.layout.stability.columns import margin_columns
 from polydraulic.simulation.layout.stability.text import SLOPE
-
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
 
 @pytest.fixture(scope="module")
