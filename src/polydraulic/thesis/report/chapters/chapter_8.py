@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from polydraulic.identification.equations.ways.by_runs import MOST_WINDOWS, SECONDS
 from polydraulic.tables import Table
 from polydraulic.thesis.adaptation_study import SENSORS
 from polydraulic.thesis.cache import Lab
@@ -173,8 +174,9 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             f"Without sensors of the flows out of actuators, these follow from the flows in by the ratio of the cylinder areas; the medians are {of(networks, inlets)} and "
             f"{of(equations, inlets)}. Without any flow sensors, networks get flows from joint angles, without the flow that compresses the oil, and reach {of(networks, NO_FLOWS)}; the equations balance volumes and "
             f"compression over windows of time, and reach {of(equations, NO_FLOWS)}. {few}: {of(equations, NO_PRESSURES)} from spools and "
-            f"angles, {of(equations, COMMANDS)} from commands and angles alone, which tell pumps, pilots and a value or two of each curve. Simulation adds no knots: "
-            "the machine to begin from has straight lines from where a valve opens to where its bypass shuts and on to its full travel, and keeps them.",
+            f"angles, {of(equations, COMMANDS)} from commands and angles alone, which tell pumps, pilots and a value or two of each curve. Simulation takes "
+            f"{MOST_WINDOWS} windows of {SECONDS:g} s of the log and adds no knots: the machine to begin from has straight lines from where a valve opens to where its "
+            "bypass shuts and on to its full travel, and keeps them.",
             "Missing sensors.",
         ),
         Paragraph(
