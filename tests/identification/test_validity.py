@@ -29,10 +29,13 @@ def test_errors_are_those_of_the_rows():
     assert [(r["rows"], r["rms"]) for r in found.regions] == [(4, 2.5)]
 
 
-@pytest.mark.parametrize(("error", "holds"), [(1.0, True), (1.5, True), (1.51, False), (2.0, False)])
+@pytest.mark.parametrize(
+    ("error", "holds"), [(1.0, True), (1.1, True), (1.38, True), (1.5, True), (1.51, False), (2.0, False)]
+)
 def test_errors_may_grow_by_half(error, holds):
     found = judged([error, -error], static(held_out_rms=1.0))
-    said = "as good as it was" if holds else "it errs more than it did"
+    said = "as good as it was" if error <= 1.1 else f"{error:.2g} times what it was, and it holds up to 1.5 times"
+    said = said if holds else "it errs more than it did"
     assert found.holds == holds
     assert found.statements == [f"rms error {error:g} V, 1 V on rows held out when it was fitted: {said}"]
 
@@ -196,7 +199,7 @@ def test_runs_begin_anew_as_when_the_model_was_fitted():
     (found,) = run_validity([stepping(free_run_rms=0.7, free_run_rows=10, one_step_rms=0.5)], log, "si")
     assert (found.rms, found.largest, found.outside, found.regions, found.holds) == (1.0, 1.0, 0.0, [], True)
     assert found.statements == [
-        "3 free run(s) of up to 10 rows: rms error 1 V, 0.7 V on rows held out when it was fitted: as good as it was",
+        "3 free run(s) of up to 10 rows: rms error 1 V, 0.7 V on rows held out when it was fitted: 1.4 times what it was, and it holds up to 1.5 times",
         "one step ahead: rms error 1 V, 0.5 V when it was fitted",
         "run through without a restart, up to 22 rows: 1 V",
     ]

@@ -17,6 +17,7 @@ from polydraulic.networks.model.partition import region_of
 from polydraulic.tables import Table
 
 _WORSE = 1.5  # times the error on rows held out, above which a model no longer holds
+_AS_GOOD = 1.1  # times that error, up to which nothing need be said of the difference
 _FEWER = 0.1  # by which the share of rows in their intervals may fall below the level, or what it was
 _OUTSIDE = 0.05  # share of rows outside the domain that is worth a word
 _NAMED = 3  # inputs that leave it, at most; those that do half as often as the first
@@ -129,6 +130,15 @@ def run_validity(models: Sequence[Model], table: Table, units: str = DEFAULT) ->
     return found
 
 
+def _verdict(ratio: float, *, worse: bool) -> str:
+    """What is said of an error so many times as large as it was."""
+    if worse:
+        return "it errs more than it did"
+    if ratio <= _AS_GOOD:
+        return "as good as it was"
+    return f"{ratio:.2g} times what it was, and it holds up to {_WORSE:g} times"
+
+
 def _judged(
     model: Model, y: np.ndarray, error: np.ndarray, what: str, stated: str, X: np.ndarray,
     regions: list[dict[str, Any]], units: str,
@@ -145,7 +155,7 @@ def _judged(
         holds &= not worse
         statements.append(
             f"{what} {amount(rms, unit, units)}, {amount(expected, unit, units)} on rows held out when it was fitted: "
-            f"{'it errs more than it did' if worse else 'as good as it was'}"
+            f"{_verdict(rms / expected if expected > 0.0 else 1.0, worse=worse)}"
         )
     else:
         statements.append(f"{what} {amount(rms, unit, units)}; the model does not state what it was when it was fitted")
