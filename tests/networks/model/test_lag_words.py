@@ -44,6 +44,8 @@ def test_what_is_known_of_strengths_is_said():
     assert "by 3.4% both ways and 5.1% of one way against the other" in said
     assert "for about 51.2 s;" in said
     assert "stays for about 2560 rows;" in strength_in_words(replace(known, raster=None))
+    longer = replace(known, strength=replace(known.strength, memory=74321.0))
+    assert "stays for about 1490 s;" in strength_in_words(longer)
     lasting = replace(known, strength=replace(known.strength, memory=2.5e6))
     assert "stays for hours;" in strength_in_words(lasting)
     first, second = dynamic_notes([replace(model, dynamics=known), dynamic("y", ("u", 1))])

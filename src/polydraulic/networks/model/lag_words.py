@@ -23,7 +23,7 @@ def strength_in_words(dynamics: Dynamics) -> str:
     if known is None:
         return ""
     seconds = None if dynamics.raster is None else known.memory * dynamics.raster
-    lasts = f"for about {known.memory:.0f} rows" if seconds is None else f"for about {seconds:.3g} s"
+    lasts = f"for about {known.memory:.0f} rows" if seconds is None else f"for about {float(f'{seconds:.3g}'):g} s"
     if seconds is not None and seconds > _HOURS:
         lasts = "for hours"
     return (
