@@ -50,4 +50,4 @@ def test_what_is_known_of_strengths_is_said():
     assert "stays for hours;" in strength_in_words(lasting)
     first, second = dynamic_notes([replace(model, dynamics=known), dynamic("y", ("u", 1))])
     assert first.startswith("dynamic, a function")
-    assert second.startswith("boom: as strong as in the mean; whoever knows")
+    assert second.startswith("boom: as strong as in the mean; a run in Python or C, or as an FMU, follows strengths")
