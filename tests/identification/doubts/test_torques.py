@@ -7,6 +7,7 @@ import pytest
 
 from helpers.machine_log import changed
 from polydraulic.errors import InputError
+from polydraulic.identification.doubts import torques
 from polydraulic.identification.doubts.torques import beyond_relief, check_torques, torque_doubts
 from polydraulic.parameters.layout.schema import position_columns
 from polydraulic.tables import Table
@@ -106,3 +107,14 @@ def test_without_all_positions_or_with_rows_too_far_apart_torques_tell_nothing(t
     assert doubts(true, Table({name: swapped[name] for name in few}, {})) == []
     assert doubts(true, Table({name: swapped[name][::10] for name in swapped.names}, {})) == []
     assert len(doubts(true, swapped)) == 1
+
+
+def test_of_a_long_log_a_last_piece_that_is_cut_short_is_left_out(true, log, monkeypatch):
+    half = len(log) // 2
+    pieces = Table(
+        {**log.columns, "segment": np.repeat([0.0, 1.0], [half, len(log) - half])}, {**log.units, "segment": "1"}
+    )
+    monkeypatch.setattr(torques, "_MOST_ROWS", half + 3)  # of which no acceleration is seen
+    swapped = {"swing_p_a": log["swing.p_b"], "swing_p_b": log["swing.p_a"]}
+    assert doubts(true, pieces) == []
+    assert [columns for columns, _ in doubts(true, changed(pieces, **swapped))] == [("swing.p_a", "swing.p_b")]

@@ -210,10 +210,11 @@ def _smoothed(machine: LayoutMachine, table: Table) -> list[_Piece]:
         if left <= 0 or raster > _SLOWEST:
             continue
         smooth, slope, curve = motion_filters(raster)
-        if len(time) < 2 * len(smooth):
+        values = values[:left]
+        if len(values) < 2 * len(smooth):
             continue
-        position, p_a, p_b = np.split(values[:left], 3, axis=1)
-        left -= len(time)
+        position, p_a, p_b = np.split(values, 3, axis=1)
+        left -= len(values)
         motion = (weighted_sums(position, weights) for weights in (smooth, slope, curve))
         found.append(_Piece(*motion, *(weighted_sums(p, smooth) for p in (p_a, p_b))))
     return found
