@@ -25,10 +25,8 @@ _RIDGE = 1e-3
 _EXPLAINED = 0.2  # of the travel, below which the command does not move the joint
 _CUT = 0.1  # of a response, that may come later than the longest lag
 _KEPT = 0.005  # of the whole: weights below are left out
-_NEAR, _SHORT = (
-    0.03,
-    0.03,
-)  # of the range: a stop is so near the end, and a joint driven against it falls short by so much
+_NEAR = 0.03  # of the range: so near the end of the travel is a stop
+_SHORT = 0.03  # of the range, by which a joint driven against a stop falls short
 _SHOWN = 0.9  # of the way from where motion begins to the end of the lever: a full opening beyond it is hardly seen
 _SHORTEST = 0.5  # dead time in rows; a shorter one cannot be told from none
 _LEAST_ROWS, _MOST_ROWS = 4, 120  # of the longest lag

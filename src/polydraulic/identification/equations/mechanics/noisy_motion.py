@@ -155,7 +155,8 @@ class NoisyMotion:
         for chunk in self.chunks:
             white = self._whitened(chunk, numbers)
             blocks, first = np.unique(chunk.block, return_index=True)
-            for block, rows in zip(blocks.tolist(), np.split(white, first[1:] * chunk.known.shape[1]), strict=True):
+            joints = len(white) // len(chunk.block)
+            for block, rows in zip(blocks.tolist(), np.split(white, joints * first[1:]), strict=True):
                 found[block] = found.get(block, 0.0) + rows.T @ rows
             _average(chunk, white[:, -1].reshape(chunk.known.shape))
         self._loosen()
