@@ -317,11 +317,9 @@ class _Windows:
         found.start, found.stop, found.travel = self.start[off], self.stop[off], self.travel[off]
         return found
 
-    def stops(
-        self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]
-    ) -> tuple[bool, bool]:
+    def stops(self, *response: Any) -> tuple[bool, bool]:
         """Whether the joint stood at its lower end, and at its upper one, although its command drove it on."""
-        rates = self._rates(weights, play, rest, edges)
+        rates = self._rates(*response)
         place = (self.joint - self.low) / self.range
         return _driven_on(1.0 - place, -rates, self.spans), _driven_on(place, rates, self.spans)
 
