@@ -1,8 +1,10 @@
 """Pages, tables and lists: everything that is passed in is escaped."""
 
+import base64
+
 import pytest
 
-from polydraulic.pages.html import Cell, bullets, document, table
+from polydraulic.pages.html import Cell, bullets, document, svg_image, table
 
 
 def test_a_page_escapes_its_title_and_fits_any_screen():
@@ -35,3 +37,10 @@ def test_rows_that_do_not_fit_a_narrow_screen(columns, cell, wide):
 def test_a_list_of_plain_texts():
     assert bullets(["a & b", "c"]) == "<ul><li>a &amp; b</li><li>c</li></ul>"
     assert bullets([]) == ""
+
+
+def test_a_drawing_lies_in_the_page_with_its_words_escaped():
+    made = svg_image("<svg/>", 'a & "b"')
+    assert made == svg_image(b"<svg/>", 'a & "b"')
+    assert base64.b64decode(made.split("base64,")[1].split('"')[0]) == b"<svg/>"
+    assert 'alt="a &amp; &quot;b&quot;"' in made

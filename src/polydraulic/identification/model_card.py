@@ -23,7 +23,7 @@ from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.shown_model import region_names, shown_model
 from polydraulic.networks.plot import ROW, draw_network, layers_of, node_rows
 from polydraulic.networks.proof.bounds import model_bounds
-from polydraulic.pages.html import document
+from polydraulic.pages.html import document, svg_image
 from polydraulic.pages.html import table as html_table
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, began, shown_table
@@ -373,10 +373,6 @@ def _networks(model: Model, drawn: int) -> Any:
 
 def _picture(figure: Any) -> str:
     """A figure as an image inside the page."""
-    import base64
-
     stream = io.BytesIO()
     figure.savefig(stream, format="svg", metadata={"Date": None}, dpi=120)
-    return (
-        f'<figure><img src="data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}" alt=""></figure>'
-    )
+    return svg_image(stream.getvalue())

@@ -3,6 +3,7 @@
 All text that is passed in is escaped, except for the body of a page, which is made of what these functions return.
 """
 
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -53,6 +54,12 @@ def table(title: str, header: Sequence[str], rows: Sequence[Sequence[str | Cell]
     long = any(len(cell.text if isinstance(cell, Cell) else cell) > _LONG for row in rows for cell in row)
     look = ' class="wide"' if len(header) >= _MANY or (len(header) > 2 and long) else ""
     return f"<table{look}>{caption}<thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
+
+
+def svg_image(svg: str | bytes, alt: str = "") -> str:
+    """Return a drawing, as its text in SVG, as an image inside the page, and what it says to who does not see it."""
+    data = svg.encode() if isinstance(svg, str) else svg
+    return f'<figure><img src="data:image/svg+xml;base64,{b64encode(data).decode()}" alt="{escape(alt)}"></figure>'
 
 
 def bullets(items: Iterable[str]) -> str:

@@ -1,6 +1,5 @@
 """A lift chart as a picture and as a page: capacity over reach and height, the side of the machine in front of it, and what limits it where."""
 
-import base64
 import io
 from math import isfinite
 from typing import TYPE_CHECKING
@@ -10,7 +9,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, amount, as_shown, checked_units, shown_unit
 from polydraulic.machine.stability.lifting import HYDRAULIC_SHARE, TIPPING_SHARE
 from polydraulic.machine.stability.load_chart import LoadChart, load_chart
-from polydraulic.pages.html import Cell, document, table
+from polydraulic.pages.html import Cell, document, svg_image, table
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 if TYPE_CHECKING:
@@ -144,12 +143,11 @@ def load_chart_page(
     stream = io.BytesIO()
     figure = draw_load_chart(machine, chart, held=held, units=units)
     figure.savefig(stream, format="svg", metadata={"Date": None}, bbox_inches="tight")
-    picture = base64.b64encode(stream.getvalue()).decode()
     tables = []
     for k, over in enumerate(chart.over):
         header, *rows = load_chart_rows(chart, k, units)
         cells = [[Cell(text, "number") for text in row] for row in rows]
         tables.append(table(f"Over the {over}, in {shown_unit('kg', units)}", header, cells))
     how = f"Moved by {chart.moved[0]} and {chart.moved[1]}; {chart.lifting} lifts at the pump's pressure, all others hold at their relief valves."
-    body = f'<p>{RULE} {how}</p><figure><img src="data:image/svg+xml;base64,{picture}" alt="Lift capacity"></figure>'
+    body = f"<p>{RULE} {how}</p>{svg_image(stream.getvalue(), 'Lift capacity')}"
     return document(f"{chart.title}: lift capacity", body + "".join(tables))

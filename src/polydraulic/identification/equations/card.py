@@ -1,6 +1,5 @@
 """The card of an identified machine: how well it fits, its curves and how sure they are, what was not determined, how far it drifts."""
 
-import base64
 from html import escape
 from io import StringIO
 from pathlib import Path
@@ -20,7 +19,7 @@ from polydraulic.identification.equations.words import (
     valve_rows,
     window_rows,
 )
-from polydraulic.pages.html import bullets, document
+from polydraulic.pages.html import bullets, document, svg_image
 from polydraulic.pages.html import table as html_table
 from polydraulic.progress import Progress, quiet
 
@@ -85,10 +84,7 @@ def write_identification_card(
     for name in found.circuits:
         parts.append(f"<h3>{escape(name)}</h3>")
         for function in found.circuits[name].valves:
-            picture = base64.b64encode(_curves_svg(found, name, function, units).encode()).decode()
-            parts.append(
-                f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="Curves of {escape(function)}"></figure>'
-            )
+            parts.append(svg_image(_curves_svg(found, name, function, units), f"Curves of {function}"))
     write_text(path, document(f"{found.before.title}: identified", "\n".join(parts)))
 
 

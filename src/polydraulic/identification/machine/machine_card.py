@@ -1,6 +1,5 @@
 """Where the log of a machine has been, and what a model card says of the machine as a whole."""
 
-import base64
 from collections.abc import Sequence
 from html import escape
 from math import inf
@@ -18,6 +17,7 @@ from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
+from polydraulic.pages.html import svg_image
 from polydraulic.pages.html import table as html_table
 from polydraulic.parameters.layout.parts import SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -146,6 +146,5 @@ where nothing was seen; the largest holes are framed.</p>
 def _map(covered: Covered, units: str) -> str:
     holes = covered.holes(units)
     named = f": {escape('; '.join(holes[:_HOLES]))}" if holes else ""
-    picture = base64.b64encode(covered.to_svg(units).encode()).decode()
     return f"""<p><b>{escape(covered.output)}</b>, {covered.rows} rows, {covered.share:.0%} of the cells{named}.</p>
-<figure><img src="data:image/svg+xml;base64,{picture}" alt=""></figure>"""
+{svg_image(covered.to_svg(units))}"""

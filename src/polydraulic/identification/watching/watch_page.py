@@ -1,6 +1,5 @@
 """What watching a log has found, as a page: alarms, evidence over time, and what of the catalogue could be told."""
 
-import base64
 from html import escape
 from io import StringIO
 from pathlib import Path
@@ -12,7 +11,7 @@ from polydraulic.display import time_axis
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.identification.watching.watch_log import WatchedLog, alarm_heads, alarm_rows, named_by
-from polydraulic.pages.html import document
+from polydraulic.pages.html import document, svg_image
 from polydraulic.pages.html import table as html_table
 from polydraulic.watch.drift import BIAS, DRIFT
 from polydraulic.watch.watch import FREEZE, Outlook
@@ -48,7 +47,6 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
     """
     watch_page_ending(path)
     minutes = len(found.time) * found.of.shape.seconds / 60.0
-    picture = base64.b64encode(_svg(plot_watch(found)).encode()).decode()
     named = {name for alarm in found.alarms for name in named_by(alarm)}
     beyond = {d.name for d, most in zip(found.of.directions, found.evidence.max(axis=0), strict=True) if most >= 1.0}
 
@@ -73,7 +71,7 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
         else "<p>None.</p>",
         "<h2>Evidence</h2>",
         "<p>Of each fault since it may have begun, as a share of what makes an alarm; no more than twice that is counted.</p>",
-        f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="Evidence over time"></figure>',
+        svg_image(_svg(plot_watch(found)), "Evidence over time"),
         "<h2>What was watched</h2>",
         "<p>Each in the smallest size that counts. Where the machine's work gave a fault no occasion to show, nothing is said of it.</p>",
         html_table("", ("fault", "in this log"), rows),
