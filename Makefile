@@ -22,6 +22,7 @@ PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation test
 	tests/networks/growth/test_scoring.py tests/networks/growth/test_variables.py tests/networks/proof/test_taylor.py \
 	tests/identification/equations/fit/test_circuit_slopes_at.py tests/identification/equations/fit/test_weighing.py \
 	tests/identification/equations/test_pilot_fit.py \
+	tests/identification/equations/test_spool_motion.py \
 	tests/networks/dynamic/test_free_run.py tests/networks/dynamic/test_rows.py tests/networks/dynamic/test_joint_strength.py tests/networks/dynamic/test_lagged_terms.py \
 	tests/export/translate tests/export/test_machine.py tests/export/test_controller.py \
 	tests/watch/kernels tests/watch/test_sequential.py

@@ -23,9 +23,10 @@ from show import table
 
 SECONDS, JUDGES = 600.0, range(4000, 4010)
 LAG, FORCE, SOFTER = 3e-4, FlowForce(1e5, 870.0, np.radians(69.0)), 1.3
-# what is free where nobody says so, effects of spools, and lines
+# what is free where nobody says so, effects of spools, whether friction holds, and lines
 ASKED = ("functions.*.valve.*", "functions.*.pilot.*", "circuits.*.pump.*")
 ASKED += ("functions.*.valve.hysteresis", "functions.*.valve.flow_force.spring_rate", "functions.*.line.compliance_*")
+ASKED += ("functions.*.friction.sticks",)
 
 
 def second(machine):

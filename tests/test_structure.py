@@ -124,6 +124,10 @@ TESTED_ELSEWHERE = {
         "identification/equations/fit/test_circuit_fit.py",
         "knots that the curves there lack are found",
     ),
+    "identification/equations/mechanics/resting.py": (
+        "identification/equations/ways/test_by_rest.py",
+        "what joints carry at rest, of both frictions",
+    ),
     "identification/equations/sensors.py": (
         "identification/equations/test_observations.py",
         "signals are read as parts of logs",

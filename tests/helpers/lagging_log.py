@@ -7,8 +7,8 @@ import numpy as np
 from helpers.machine_log import NOISE, machine_log
 from polydraulic import load_machine
 from polydraulic.identification.equations.fit.jets import jets_of
-from polydraulic.identification.equations.pilot_fit import SpoolEffects, driven_spool
 from polydraulic.identification.equations.sensors import Signals
+from polydraulic.identification.equations.spool_motion import SpoolEffects, driven_spool
 from polydraulic.machine.play import prepare_shift
 from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.tables import Table
@@ -28,7 +28,7 @@ def lagging_log():
     pieces, start = np.array([[0, len(time)]]), np.zeros(len(time))
     for _ in range(20):  # until jets are those of the spool that they push
         signals = {"boom": Signals(read | {"spool": spool}, {}, dict.fromkeys(read, 5e4))}
-        jets = jets_of(machine, circuit, signals, log["segment"], {})["boom"].strength
+        jets = jets_of(machine, circuit, signals, log["segment"], {}, {})["boom"].strength
         before = spool
         spool = driven_spool(f.pilot, f.valve.knots[-1], time, pieces, voltage, start, _RASTER, does, jets)
     assert np.abs(spool - before).max() < 1e-5

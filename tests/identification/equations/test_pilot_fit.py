@@ -3,14 +3,13 @@ import pytest
 
 from polydraulic import random_operator
 from polydraulic.identification.equations.pilot_fit import (
-    driven_spool,
+    Jets,
     fit_pilot,
     moves_against,
-    pieces_of,
     raster_within,
-    smooth_spool,
     told_dead_time,
 )
+from polydraulic.identification.equations.spool_motion import SpoolEffects, driven_spool, pieces_of
 from polydraulic.parameters.schema import Pilot
 
 TRUE = Pilot(0.014, 0.2, 0.06)
@@ -37,31 +36,34 @@ def test_a_pilot_is_found_with_its_dead_time(log):
     assert all(abs(a - b) < 6.0 * e for a, b, e in zip(found.pilot, TRUE, found.errors, strict=True))
 
 
-@pytest.mark.parametrize("dead_time", [0.0, 0.003, 0.02, 0.027, 0.06])
-def test_a_voltage_that_is_late_bends_between_rows(log, dead_time):
-    time, _, voltage, _, _ = log
-    fine = np.arange(0.0, time[-1], 1e-4)
-    late = TRUE.gain * np.interp(fine - dead_time, time, voltage)
-    exact, keep = np.zeros(len(fine)), np.exp(-1e-4 / TRUE.time_constant)
-    for k in range(1, len(fine)):
-        exact[k] = keep * exact[k - 1] + (1.0 - keep) * 0.5 * (late[k - 1] + late[k])
-    pilot = TRUE._replace(dead_time=dead_time)
-    found = driven_spool(pilot, 1.0, time, pieces_of(np.zeros(len(time))), voltage, np.zeros(len(time)), RASTER)
-    assert np.abs(found - np.interp(time, fine, exact))[time < 100.0].max() < 2e-7
-
-
-def test_a_spool_is_smoothed_by_its_pilot(log):
-    time, segment, voltage, exact, measured = log
-    smooth, sigma = smooth_spool(TRUE, TRAVEL, time, segment, voltage, measured, 4e-5)
-    assert np.std(smooth - exact) < 1.2e-5
-    assert sigma < 1.2e-5
-
-
-def test_what_the_pilot_does_not_explain_is_left_to_the_sensor(log):
-    time, segment, voltage, exact, measured = log
-    shift = 3e-4 * np.sin(time)  # as of a flow force
-    smooth, _ = smooth_spool(TRUE, TRAVEL, time, segment, voltage, measured + shift, 4e-5)
-    assert np.std(smooth - exact - shift) < 2.5e-5
+def test_a_spool_tells_conductances_that_its_jets_follow_from(log):
+    time, segment, voltage, _, _ = log
+    far = np.abs(np.sin(0.7 * time))  # how far a load lets jets be strong
+    known, open_ = 40.0 * far, np.clip(np.abs(voltage) - 0.5, 0.0, None)
+    unsure, off = np.stack([8.0 * open_ * far, 0.0 * far, 4.0 * np.clip(np.cos(time), 0.0, None)]), [1.5, 0.0, -0.8]
+    does, pieces = SpoolEffects(3e-4, 1e-4), pieces_of(segment)
+    strength = known + off @ unsure
+    spool = driven_spool(TRUE, TRAVEL, time, pieces, voltage, np.zeros(len(time)), RASTER, does, strength)
+    spool = spool + np.random.default_rng(3).normal(0.0, 4e-5, len(time))
+    found, without = (
+        fit_pilot(
+            time, segment, voltage, spool, TRAVEL, TRUE, free=SpoolEffects._fields,
+            jets=Jets(known, numbers, 0.0 * time, np.zeros(len(numbers))),
+        )
+        for numbers in (unsure, unsure[:0])
+    )  # fmt: skip
+    assert found.moved == pytest.approx(off, abs=0.1)
+    assert found.moved_errors[1] == 1.0  # which no jet shows
+    assert all(abs(a - b) < 4.0 * e for a, b, e in zip(found.moved, off, found.moved_errors, strict=True))
+    assert found.effects.hysteresis == pytest.approx(does.hysteresis, rel=0.02)
+    assert found.effects.shift == pytest.approx(does.shift, rel=0.01)
+    assert found.rms == pytest.approx(4e-5, rel=0.05)
+    assert not len(without.moved)
+    assert abs(without.effects.hysteresis / does.hysteresis - 1.0) > 0.05
+    # what was moved before counts as far from what was known
+    again = Jets(known + found.moved @ unsure, unsure, 0.0 * time, found.moved)
+    twice = fit_pilot(time, segment, voltage, spool, TRAVEL, TRUE, jets=again, free=SpoolEffects._fields)
+    assert twice.moved == pytest.approx(np.zeros(3), abs=0.01)
 
 
 def test_a_spool_that_rests_tells_nothing(log):
@@ -86,8 +88,7 @@ def test_a_voltage_of_the_wrong_sign_is_told_from_others(log):
         assert not moves_against(time, segment, -voltage, other, TRAVEL, TRUE)
 
 
-def test_rasters_and_pieces():
-    assert pieces_of(np.array([0, 0, 1, 1, 1])).tolist() == [[0, 2], [2, 5]]
+def test_the_raster_is_that_within_pieces():
     assert raster_within(np.array([0.0, 0.1, 0.2, 5.0, 5.1]), np.array([0, 0, 0, 1, 1])) == pytest.approx(0.1)
 
 

@@ -15,6 +15,9 @@ PUMPS = ("pump", "giving", "taking")  # tables of a circuit that are one, those 
 PUMP_NUMBERS = ("flow", "relief", "torque_limit_start")
 # what keeps a spool from where its pilot drives it, and where it stands below a function; a file need not declare it
 EFFECTS = {"hysteresis": "valve.hysteresis", "shift": "valve.flow_force.spring_rate"}
+HOLDS = (
+    "friction.sticks"  # whether dry friction holds a joint: a switch, no number, and only where somebody asks for it
+)
 _PILOT = ("gain", "time_constant", "dead_time")
 
 
@@ -73,8 +76,8 @@ def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str
     data : dict
         Its file as it is written; empty where there is none.
     patterns : sequence of str
-        Paths such as ``functions.*.valve.*``, besides what the file marks. Effects of spools that the machine does not declare are meant where a
-        pattern ends as their paths do, ``functions.*.valve.hysteresis``.
+        Paths such as ``functions.*.valve.*``, besides what the file marks. Effects of spools that the machine does not declare, and
+        whether friction holds a joint, are meant where a pattern ends as their paths do, ``functions.*.valve.hysteresis``.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str
     """
     paths = entries_of(machine)
     found = {path: spread for path, spread in _marked(data).items() if path in paths}
-    effects = [f"functions.{name}.{key}" for name in machine.names for key in EFFECTS.values()]
+    effects = [f"functions.{name}.{key}" for name in machine.names for key in (*EFFECTS.values(), HOLDS)]
     for pattern in patterns:
         asked = [path for path in effects if pattern.endswith(path.rpartition(".")[2])]
         fitting = [path for path in dict.fromkeys([*paths, *asked]) if fnmatchcase(path, pattern)]

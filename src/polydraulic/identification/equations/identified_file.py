@@ -68,7 +68,7 @@ def machine_data(machine: LayoutMachine) -> dict[str, Any]:
 
 
 def with_found(data: Mapping[str, Any], machine: LayoutMachine) -> dict[str, Any]:
-    """What a file holds, how far the log went that its curves were identified from, and effects of spools as the machine has them."""
+    """What a file holds, how far the log went that its curves were identified from, and effects as the machine has them."""
     whole = _copied(data)
     for f in machine.functions:
         valve, force = whole["functions"][f.name]["valve"], f.effects.flow_force
@@ -78,6 +78,9 @@ def with_found(data: Mapping[str, Any], machine: LayoutMachine) -> dict[str, Any
             valve.pop("flow_force", None)
         elif "flow_force" not in valve:
             valve["flow_force"] = {key: _entry(getattr(force, key), *said) for key, said in _FLOW_FORCE.items()}
+        friction = whole["functions"][f.name]["friction"]
+        if f.effects.sticks != friction.get("sticks", {}).get("value", False):
+            friction["sticks"] = {"value": f.effects.sticks, "source": "found"}
         for key, unit in (("travel", "mm"), ("pressure", "bar")):
             if f.seen is not None and getattr(f.seen, key) < inf:
                 seen = whole["functions"][f.name].setdefault("seen", {})

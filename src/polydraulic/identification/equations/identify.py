@@ -1,7 +1,7 @@
 """A machine identified from a log of its work: curves, pumps, pilots, masses and friction inside the equations that are known.
 
-Four ways, each where the log has the sensors for it (`ways`): pilots, and what spools do besides, from voltages and spools; circuits from spools,
-pressures and flows; masses and friction from pressures and positions; what is left through simulation. All else keeps its value and is named, with the reason.
+Ways, each where the log has the sensors for it (`ways`): pilots, and what spools do besides, from voltages and spools; circuits from spools,
+pressures and flows; masses and friction from pressures and positions, and whether it holds; what is left through simulation. All else keeps its value and is named, with the reason.
 """
 
 import hashlib
@@ -21,15 +21,21 @@ from polydraulic.identification.doubts.channels import channel_doubts
 from polydraulic.identification.doubts.stuck import without_stuck
 from polydraulic.identification.equations.circuits import CircuitFound
 from polydraulic.identification.equations.finished import Finished
-from polydraulic.identification.equations.free_numbers import Freedom, freedom, is_effect
+from polydraulic.identification.equations.free_numbers import HOLDS, Freedom, freedom, is_effect
 from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data, with_found
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
 from polydraulic.identification.equations.sensors import Signals, against_spools, read_function
 from polydraulic.identification.equations.shooting.fit import ShootingFit
 from polydraulic.identification.equations.shooting.windows import run_sensors
-from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, refused_circuits
+from polydraulic.identification.equations.ways.by_flows import (
+    LEAST_ROWS,
+    find_circuits,
+    refused_circuits,
+    take_curves,
+)
 from polydraulic.identification.equations.ways.by_pressures import find_mechanics
+from polydraulic.identification.equations.ways.by_rest import find_holding
 from polydraulic.identification.equations.ways.by_runs import entries_left, find_left, lacking_for_runs
 from polydraulic.identification.equations.ways.by_spools import (
     SpoolFound,
@@ -233,6 +239,7 @@ def identify(
             steps += simulated
         progress("masses and friction", at, steps)
         mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not runs_well)
+        find_holding(so_far, table)
         taken = _taken(before, may, spools, pilots, circuits, mechanics)
         runs = find_left(
             so_far,
@@ -242,7 +249,8 @@ def identify(
             lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps),
         )
     lacks = [f"{what}: {'not by regression' if runs else 'kept'}; {why}" for what, why in so_far.lacks.items()]
-    if not so_far.changes:
+    now, then = ([f.effects for f in machine.functions] for machine in (so_far.machine, before))
+    if not so_far.changes and now == then:
         raise InputError("; ".join([f"{source} determines nothing of this machine", *lacks, *so_far.kept]))
     finished.forget()
     progress("identified", steps, steps)
@@ -265,22 +273,20 @@ def _in_turns(
     signals : dict from function to Signals
         As sensors and pilots alone have them.
     turns : int
-        At most; effects of spools are looked at after each but the last, or after the only one.
+        At most; effects of spools are looked at after each.
     tell : callable
         Told the turn, the place of a circuit, about which share of it is done, and what is being done.
     """
-    spools: dict[str, SpoolFound] = {}
     for turn in range(turns):
         so_far = SoFar(before, may, f"identified from {source}")
-        pilots = find_pilots(so_far, signals, raster)
         circuits = find_circuits(so_far, signals, table["time"], segment, raster, finished, partial(tell, turn), turn)
-        if turn + 1 == turns > 1:
-            break
-        spools = look_at_spools(so_far, signals, circuits, table, segment)
+        spools, circuits = look_at_spools(so_far, signals, circuits, table, segment)
         moved = smoothed_again(before, may, signals, spools, table, segment)
         if not moved:
             break
         signals = signals | moved
+    take_curves(so_far, circuits)
+    pilots = find_pilots(so_far, signals, raster)
     take_effects(so_far, signals, spools)
     return so_far, pilots, circuits, spools
 
@@ -295,6 +301,7 @@ def _taken(
 ) -> tuple[str, ...]:
     """Beginnings of paths that need no simulation: their numbers were found, or looked for with better means."""
     found = [f"functions.{f.name}.pilot." for f in machine.functions if f.name in pilots]
+    found += [f"functions.{f.name}.{HOLDS}" for f in machine.functions]
     # without its sensors an effect is for simulation only where a file says how far it may be off
     found += [
         p for p, spread in may.spreads.items() if is_effect(p) and (p.split(".")[1] in spools or np.isnan(spread))

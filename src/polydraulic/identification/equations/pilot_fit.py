@@ -1,9 +1,9 @@
-"""A pilot from the joystick's voltage and the spool that follows it, and the spool without the noise of its sensor.
+"""A pilot from the joystick's voltage and the spool that follows it.
 
 The pilot is tau dx/dt + x = clip(gain v, +-travel) after a dead time. Gain, time constant and dead time are those whose spool, run through
 each piece of the log on the voltage alone, is nearest to the measured one. Where jets are known, they may shift the target towards the centre, and
-the measured spool may lag behind x by half of a hysteresis either way, as in a simulation. A smoother (Rauch, Tung and Striebel) then weighs this spool
-against the sensor: what the spool does besides is noise that drives it, of the size that the log shows.
+the measured spool may lag behind x by half of a hysteresis either way. Jets are as wrong as the conductances that they follow from: each of these may
+be off as far as its standard error, and what the spool says of it is found with the rest.
 """
 
 from collections.abc import Container
@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import driver
+from polydraulic.identification.equations.spool_motion import NONE, SpoolEffects, driven_spool, pieces_of
 from polydraulic.identification.log_pieces import raster_within
 from polydraulic.identification.noise import noise_level
-from polydraulic.machine.play import followed
 from polydraulic.parameters.schema import Pilot
 
 _SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter
@@ -24,27 +23,8 @@ _SURE, _LEAST_DEAD = 3.0, 1e-3
 _LEAST_ROWS = 200
 _FOLLOWS = 0.3  # of how much a spool varies, which a pilot that it follows leaves at most
 _BLOCK = 5.0  # s, after which errors are independent
-# what drives the spool besides the pilot, as a share of the sensor's noise in a row
-_ROUGHNESS = np.geomspace(1e-3, 1.0, 25)
-_SMALL = 0.01  # of what is unsure of jets, around which the spool is linear in it
+_FAR = 10.0  # standard errors, by which a conductance is off at most
 _LITTLE, _MOST = 0.01, 100.0  # of the travel: an effect that counts as one, and how many of these it may be
-
-
-class SpoolEffects(NamedTuple):
-    """What keeps a spool from where its pilot drives it.
-
-    Attributes
-    ----------
-    hysteresis : float, m
-    shift : float, m/(m3/s Pa^0.5)
-        Towards the centre, for each unit of its jets (`prepare_shift`).
-    """
-
-    hysteresis: float = 0.0
-    shift: float = 0.0
-
-
-NONE = SpoolEffects()
 
 
 class Jets(NamedTuple):
@@ -55,18 +35,21 @@ class Jets(NamedTuple):
     strength : (n_row,) array, m3/s Pa^0.5
         NaN in rows in which a sensor of the circuit is silent.
     unsure : (n_number, n_row) array
-        What a standard error of each conductance at a knot that was found makes of it.
+        What a standard error more of each conductance at a knot makes of it, zero of those that are known.
     noise : (n_row,) array
         What noise as that of the sensors would make of it, once more.
+    moved : (n_number,) array
+        By how many standard errors these conductances are off already from what was known of them before.
     """
 
     strength: np.ndarray
     unsure: np.ndarray
     noise: np.ndarray
+    moved: np.ndarray
 
     def at(self, rows: np.ndarray) -> "Jets":
         """Those rows, an array of bool."""
-        return Jets(self.strength[rows], self.unsure[:, rows], self.noise[rows])
+        return Jets(self.strength[rows], self.unsure[:, rows], self.noise[rows], self.moved)
 
 
 class PilotFit(NamedTuple):
@@ -83,6 +66,9 @@ class PilotFit(NamedTuple):
         That say something.
     effects, effect_errors : SpoolEffects
         What the spool does besides, and standard errors of it.
+    moved, moved_errors : (n_number,) array
+        By how many standard errors conductances are off from those that made its jets, and standard errors of that, in the same unit; none without a
+        shift.
     """
 
     pilot: Pilot
@@ -91,6 +77,8 @@ class PilotFit(NamedTuple):
     rows: int
     effects: SpoolEffects = NONE
     effect_errors: SpoolEffects = NONE
+    moved: np.ndarray = np.empty(0)
+    moved_errors: np.ndarray = np.empty(0)
 
 
 def fit_pilot(
@@ -128,59 +116,86 @@ def fit_pilot(
     if moving.sum() < _LEAST_ROWS or np.ptp(spool[use]) < 20.0 * step * 1e-6:
         return None
     strength = None if jets is None else jets.strength
+    unsure, before = np.empty((0, len(time))), np.empty(0)
+    shows: np.ndarray = np.zeros(0, dtype=bool)
+    pushes = effects.shift != 0.0 or "shift" in free
+    if jets is not None and pushes:
+        shows = np.asarray(jets.unsure.any(axis=1))
+        unsure, before = jets.unsure[shows], jets.moved[shows]
+    sensor = max(noise_level(spool, segment), 1e-7)
+    # rows of a block err together: what was known of a conductance before counts against them as against one
+    of_block = sensor * np.sqrt(_BLOCK / step)
     strong = 1.0 if strength is None else float(np.quantile(strength, 0.99)) or 1.0
     keys = [key for key in SpoolEffects._fields if key in free]
+    first = 3 + len(keys)  # of the conductances among the numbers
     # of each effect: what counts as one, the least, and what to begin from
     usual = {"hysteresis": (_LITTLE * travel, 0.0, 1.0), "shift": (_LITTLE * travel / strong, -_MOST, 0.0)}
     more = np.array([usual[key] for key in keys]).reshape(-1, 3).T
-    scale = np.array([start.gain, lag0, 0.05, *more[0]])
+    scale = np.array([start.gain, lag0, 0.05, *more[0], *np.ones(len(before))])
 
-    def off(x: np.ndarray, jets: np.ndarray | None) -> np.ndarray:
-        pilot, does = numbers(x)
-        return (driven_spool(pilot, travel, time, pieces, voltage, spool, step, does, jets) - spool)[use]
+    def off(x: np.ndarray, strength: np.ndarray | None) -> np.ndarray:
+        pilot, does, further = numbers(x)
+        if strength is not None and pushes:
+            strength = strength + further @ unsure
+        driven = driven_spool(pilot, travel, time, pieces, voltage, spool, step, does, strength)
+        return np.append((driven - spool)[use], of_block * (before + further))
 
-    def numbers(x: np.ndarray) -> tuple[Pilot, SpoolEffects]:
+    def numbers(x: np.ndarray) -> tuple[Pilot, SpoolEffects, np.ndarray]:
         values = (x * scale).tolist()
-        return Pilot(*values[:3]), effects._replace(**dict(zip(keys, values[3:], strict=True)))
+        return Pilot(*values[:3]), effects._replace(**dict(zip(keys, values[3:first], strict=True))), x[first:]
 
-    low = np.array([1e-3, 0.1 * step / lag0, 0.0, *more[1]])
-    high = np.array([1e3, 100.0, _LONGEST_DEAD / scale[2], *np.full(len(keys), _MOST)])
+    def loss(squares: np.ndarray) -> np.ndarray:
+        """Rows that are far off count less, what was known before does not; with both derivatives."""
+        root = np.sqrt(1.0 + squares)
+        found = np.stack([2.0 * (root - 1.0), 1.0 / root, -0.5 * root**-3])
+        told = len(squares) - len(before)
+        found[:, told:] = squares[told:], np.ones(len(before)), np.zeros(len(before))
+        return found
+
+    low = np.array([1e-3, 0.1 * step / lag0, 0.0, *more[1], *np.full(len(before), -_FAR)])
+    high = np.array([1e3, 100.0, _LONGEST_DEAD / scale[2], *np.full(len(keys), _MOST), *np.full(len(before), _FAR)])
     begin = np.clip(
         [
             _first_gain(voltage[use], spool[use], travel) / start.gain,
             1.0,
             0.5 * start.dead_time / scale[2] + 0.1,
             *more[2],
+            *np.zeros(len(before)),
         ],
         low + 0.01 * np.abs(low),
-        high * 0.99,
+        high - 0.01 * np.abs(high),
     )
     found = least_squares(
         off,
         begin,
         bounds=(low, high),
-        loss="soft_l1",
-        f_scale=3.0 * max(noise_level(spool, segment), 1e-7),
+        loss=loss,
+        f_scale=3.0 * sensor,
         max_nfev=60,
         args=(strength,),
     )
-    scatter = _errors(found.jac, found.fun, (time[use] // _BLOCK).astype(np.int64))
-    pilot, does = numbers(found.x)
+    block: np.ndarray = (time[use] // _BLOCK).astype(np.int64)
+    own = block.max() + 1 + np.arange(len(before))
+    left = found.fun[: len(block)]
+    scatter = _errors(found.jac, np.append(left, np.full(len(before), of_block)), np.append(block, own))
+    pilot, does, further = numbers(found.x)
     errors = scale * scatter
     if jets is not None and does.shift:
-        bread = np.linalg.pinv(found.jac)
-        parts = [(jets.noise, 1.0), *((part, _SMALL) for part in jets.unsure)]
-        moved = [bread @ (off(found.x, jets.strength + by * part) - found.fun) / by for part, by in parts]
-        errors = scale * np.linalg.norm([scatter, *moved], axis=0)
+        noise = np.linalg.pinv(found.jac) @ (off(found.x, jets.strength + jets.noise) - found.fun)
+        errors = scale * np.hypot(scatter, noise)
+    of_jets, of_errors = np.zeros(len(shows)), np.ones(len(shows))
+    of_jets[shows], of_errors[shows] = further, errors[first:]
     if not pilot.gain > _SURE * errors[0]:  # as of a voltage of the wrong sign, against which the spool goes
         return None
     return PilotFit(
         pilot,
         Pilot(*errors[:3].tolist()),
-        float(np.sqrt(np.mean(off(found.x, strength) ** 2))),
+        float(np.sqrt(np.mean(left**2))),
         int(moving.sum()),
         does,
-        NONE._replace(**dict(zip(keys, errors[3:].tolist(), strict=True))),
+        NONE._replace(**dict(zip(keys, errors[3:first].tolist(), strict=True))),
+        of_jets,
+        of_errors,
     )
 
 
@@ -218,172 +233,3 @@ def _errors(jac: np.ndarray, off: np.ndarray, block: np.ndarray) -> np.ndarray:
     sums = np.zeros((number.max() + 1, jac.shape[1]))
     np.add.at(sums, number, jac * off[:, None])
     return np.sqrt(np.maximum(np.diag(bread @ (sums.T @ sums) @ bread), 0.0))
-
-
-def pieces_of(segment: np.ndarray) -> np.ndarray:
-    """First row of each piece, and the row behind its last one, (n_piece, 2)."""
-    cuts = np.flatnonzero(np.diff(segment)) + 1
-    return np.column_stack([np.concatenate([[0], cuts]), np.concatenate([cuts, [len(segment)]])]).astype(np.int64)
-
-
-def driven_spool(
-    pilot: Pilot,
-    travel: float,
-    time: np.ndarray,
-    pieces: np.ndarray,
-    voltage: np.ndarray,
-    spool: np.ndarray,
-    step: float,
-    effects: SpoolEffects = NONE,
-    jets: np.ndarray | None = None,
-) -> np.ndarray:
-    """Spool that voltage and jets alone drive through each piece from where it is measured at first, (n_row,) in m."""
-    keep, pushed = _pushed(pilot, travel, time, pieces, voltage, step)
-    found, back = np.empty(len(spool)), np.zeros(len(spool))
-    if jets is not None:
-        back = effects.shift * jets
-    target = np.clip(pilot.gain * voltage, -travel, travel)
-    _run(pieces, pushed, spool, target, back, keep, 0.5 * effects.hysteresis, found)
-    return found
-
-
-def smooth_spool(
-    pilot: Pilot,
-    travel: float,
-    time: np.ndarray,
-    segment: np.ndarray,
-    voltage: np.ndarray,
-    spool: np.ndarray,
-    noise: float,
-    effects: SpoolEffects = NONE,
-    jets: np.ndarray | None = None,
-) -> tuple[np.ndarray, float]:
-    """Spool, (n_row,) in m, from pilot and sensor together, and the standard deviation of what it is off by."""
-    pieces, step = pieces_of(segment), raster_within(time, segment)
-    keep, pushed = _pushed(pilot, travel, time, pieces, voltage, step)
-    if effects != NONE:
-        driven = driven_spool(pilot, travel, time, pieces, voltage, spool, step, effects, jets)
-        pushed = driven - keep * np.concatenate([driven[:1], driven[:-1]])
-    found, work = np.empty(len(spool)), np.empty((len(spool), 3))
-    r = max(noise, 1e-9) ** 2
-    likely = [_smoothed(pieces, pushed, spool, keep, r * share * share, r, found, work)[0] for share in _ROUGHNESS]
-    best = _ROUGHNESS[int(np.argmax(likely))]
-    _, variance = _smoothed(pieces, pushed, spool, keep, r * best * best, r, found, work)
-    return found.copy(), float(np.sqrt(variance))
-
-
-def _pushed(
-    pilot: Pilot, travel: float, time: np.ndarray, pieces: np.ndarray, voltage: np.ndarray, step: float
-) -> tuple[float, np.ndarray]:
-    """What a row keeps of the spool before, and what the voltage adds to that since, (n_row,) in m.
-
-    The voltage is straight between rows, so that after a dead time it bends between rows, too.
-    """
-    rows = int(pilot.dead_time / step)
-    late = max(pilot.dead_time - rows * step, 0.0)
-    keep, first, second = _weights(pilot.time_constant, late)
-    keep_on, first_on, second_on = _weights(pilot.time_constant, step - late)
-    pushed = np.empty(len(voltage))
-    weights = keep_on * first, keep_on * second + first_on, second_on
-    _push(pieces, time, voltage, pilot.gain, travel, pilot.dead_time, rows, *weights, pushed)
-    return keep * keep_on, pushed
-
-
-def _weights(time_constant: float, step: float) -> tuple[float, float, float]:
-    """What is kept over a time of the spool, and taken of the target at its begin and end, which is straight between them."""
-    if step < 1e-9:
-        return 1.0, 0.0, 0.0
-    keep = float(np.exp(-step / time_constant))
-    second = 1.0 - (1.0 - keep) * time_constant / step
-    return keep, 1.0 - keep - second, second
-
-
-@driver
-def _push(
-    pieces: np.ndarray, time: np.ndarray, voltage: np.ndarray, gain: float, travel: float, dead_time: float, rows: int, of_last: float, of_bend: float,
-    of_own: float, pushed: np.ndarray,
-) -> None:  # fmt: skip
-    """What the targets of the row before, of the row since which a dead time bends the voltage, and of a row itself add to the spool."""
-    for piece in range(pieces.shape[0]):
-        begin, end = pieces[piece, 0], pieces[piece, 1]
-        last, left = 0.0, begin
-        for k in range(begin, end):
-            here, at = voltage[k], time[k] - dead_time
-            if at < time[begin] or k == begin:
-                here = voltage[begin]
-            elif dead_time > 0.0:
-                while left + 1 < k and time[left + 1] <= at:
-                    left += 1
-                here = voltage[left] + (voltage[left + 1] - voltage[left]) / (time[left + 1] - time[left]) * (
-                    at - time[left]
-                )
-            target = min(max(gain * here, -travel), travel)
-            bent = min(max(gain * voltage[max(k - rows - 1, begin)], -travel), travel)
-            pushed[k] = of_last * last + of_bend * bent + of_own * target
-            last = target
-
-
-@driver
-def _run(
-    pieces: np.ndarray,
-    pushed: np.ndarray,
-    spool: np.ndarray,
-    target: np.ndarray,
-    back: np.ndarray,
-    keep: float,
-    half: float,
-    found: np.ndarray,
-) -> None:
-    """Driver x and the spool s that lags behind it; `back` shifts the target towards the centre, up to which a spool goes."""
-    for piece in range(pieces.shape[0]):
-        begin, end = pieces[piece, 0], pieces[piece, 1]
-        s = spool[begin]
-        x = followed(target[begin], s, half)  # as if the pilot had settled
-        found[begin] = s
-        for k in range(begin + 1, end):
-            x = keep * x + pushed[k]
-            less = min((1.0 - keep) * 0.5 * (back[k - 1] + back[k]), abs(x))
-            x = x - less if x >= 0.0 else x + less
-            s = followed(s, x, half)
-            found[k] = s
-
-
-@driver
-def _smoothed(
-    pieces: np.ndarray,
-    pushed: np.ndarray,
-    spool: np.ndarray,
-    keep: float,
-    q: float,
-    r: float,
-    found: np.ndarray,
-    work: np.ndarray,
-) -> tuple[float, float]:
-    """Forwards a Kalman filter, backwards the smoother; log likelihood and mean variance."""
-    likely, total, rows = 0.0, 0.0, 0
-    for piece in range(pieces.shape[0]):
-        begin, end = pieces[piece, 0], pieces[piece, 1]
-        x, p = spool[begin], r
-        found[begin] = x
-        work[begin, 0], work[begin, 1], work[begin, 2] = p, x, p
-        for k in range(begin + 1, end):
-            ahead = keep * x + pushed[k]
-            before = keep * keep * p + q
-            s = before + r
-            off = spool[k] - ahead
-            likely -= 0.5 * (np.log(s) + off * off / s)
-            x = ahead + before / s * off
-            p = before * r / s
-            found[k] = x
-            work[k, 0], work[k, 1], work[k, 2] = p, ahead, before
-        total += p
-        rows += 1
-        variance = p
-        for back in range(end - begin - 1):
-            k = end - 2 - back
-            c = work[k, 0] * keep / work[k + 1, 2]
-            found[k] += c * (found[k + 1] - work[k + 1, 1])
-            variance = work[k, 0] + c * c * (variance - work[k + 1, 2])
-            total += variance
-            rows += 1
-    return likely, total / max(rows, 1)

@@ -16,8 +16,8 @@ from polydraulic.identification.equations.fit.jets import jets_of
 from polydraulic.identification.equations.fit.valve_curves import Curves
 from polydraulic.identification.equations.identify import Identification
 from polydraulic.identification.equations.observations import blocks_of_time
-from polydraulic.identification.equations.pilot_fit import driven_spool, pieces_of
 from polydraulic.identification.equations.sensors import read_function
+from polydraulic.identification.equations.spool_motion import driven_spool, pieces_of
 from polydraulic.identification.equations.ways.by_spools import STEP_LAG, declared_effects
 from polydraulic.identification.log_pieces import raster_segments, raster_within
 from polydraulic.machine.pump import limited_pump
@@ -171,7 +171,7 @@ def _jets(
     signals = {
         name: read_function(machine, machine.function(name), log, segment, raster, False) for name in circuit.functions
     }
-    return {name: jets.strength for name, jets in jets_of(machine, circuit, signals, segment, {}).items()}
+    return {name: jets.strength for name, jets in jets_of(machine, circuit, signals, segment, {}, {}).items()}
 
 
 def _read_of(circuit: SupplyCircuit) -> list[str]:

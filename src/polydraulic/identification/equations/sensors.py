@@ -7,7 +7,8 @@ import numpy as np
 
 from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
 from polydraulic.identification.equations.parabolas import local_parabolas
-from polydraulic.identification.equations.pilot_fit import Jets, PilotFit, fit_pilot, moves_against, smooth_spool
+from polydraulic.identification.equations.pilot_fit import Jets, PilotFit, fit_pilot, moves_against
+from polydraulic.identification.equations.spool_motion import smooth_spool
 from polydraulic.identification.noise import noise_level
 from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction

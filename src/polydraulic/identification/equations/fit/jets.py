@@ -17,6 +17,7 @@ from polydraulic.parameters.layout.parts import SupplyCircuit, ValveCurves
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import segments_of
 
+JET_CURVES = ("inlet", "outlet_positive", "outlet_negative")
 _CLOSED = 1e-3  # of the widest outlet, below which the flow tells nothing
 
 
@@ -25,7 +26,8 @@ def jets_of(
     circuit: SupplyCircuit,
     signals: dict[str, Signals],
     segment: np.ndarray,
-    errors: dict[str, dict[str, np.ndarray]],
+    shares: dict[str, np.ndarray],
+    moved: dict[str, np.ndarray],
 ) -> dict[str, Jets]:
     """Jets of the valves of a circuit whose spools and pressures are measured.
 
@@ -36,8 +38,10 @@ def jets_of(
     circuit : SupplyCircuit
     signals : dict from function to Signals
     segment : (n_row,) array
-    errors : dict from function to dict
-        Standard errors of its curves at their knots; none of those that are given.
+    shares : dict from function to (n_number,) array
+        Standard errors of its curves at their knots, `JET_CURVES` one after the other, as shares of them; none of those that are known.
+    moved : dict from function to (n_number,) array
+        By how many of these the curves are off already from what was known of them before.
     """
     every = [signals[name] for name in circuit.functions]
     known = known_at_valves(circuit.functions, signals, len(segment))
@@ -53,30 +57,28 @@ def jets_of(
     pump = limited_pump(circuit.pump.flow, circuit.pump.relief, machine.tank.return_pressure, circuit.pump)
     places = [placed_among(c.knots, np.abs(spool[:, k])) for k, c in enumerate(curves)]
     k_in, k_bypass = conductances(CircuitModel(curves, pump), places)
-    inlet = circuit_slopes_at(k_in, k_bypass, p_in, pump).q_in ** 2 / k_in
+    at = circuit_slopes_at(k_in, k_bypass, p_in, pump)
+    inlet = at.q_in**2 / k_in
     found, rng = {}, np.random.default_rng(0)
     for k, (name, v, s) in enumerate(zip(circuit.functions, valves, of, strict=True)):
         k_out = _outlet(v, spool[:, k], v.outlet_positive, v.outlet_negative)
-        outlet, again = (
-            _outlet_jet(k_out, np.maximum(p - machine.tank.return_pressure, 0.0), q, s.noise)
-            for p, q in ((p_out[:, k], s.values.get("q_out")), _once_more(p_out[:, k], s, segment, rng))
-        )
-        parts = {
-            "inlet": inlet[:, k],
-            "outlet_positive": outlet * forward[:, k],
-            "outlet_negative": outlet * ~forward[:, k],
-        }
+        drop = np.maximum(p_out[:, k] - machine.tank.return_pressure, 0.0)
+        outlet, by_outlet = _outlet_jet(k_out, drop, s.values.get("q_out"), s.noise)
+        p_again, q_again = _once_more(p_out[:, k], s, segment, rng)
+        again, _ = _outlet_jet(k_out, np.maximum(p_again - machine.tank.return_pressure, 0.0), q_again, s.noise)
+        by_inlet = (2.0 * at.q_in[:, k] * at.by_inlet[:, k, k] - inlet[:, k]) / k_in[:, k]
+        slopes = by_inlet, by_outlet * forward[:, k], by_outlet * ~forward[:, k]
         place = np.array([np.interp(np.abs(spool[:, k]), v.knots, one) for one in np.eye(len(v.knots))])
-        off = [place * _share(v, key, errors[name][key])[:, None] * parts[key] for key in parts if name in errors]
-        unsure = np.concatenate([np.empty((0, len(spool))), *off])
-        own = inlet[:, k] + outlet, unsure[unsure.any(axis=1)], again - outlet
-        found[name] = Jets(*(at_rows(known, values) for values in own))
+        each = np.concatenate(
+            [place * np.array(getattr(v, key))[:, None] * of for key, of in zip(JET_CURVES, slopes, strict=True)]
+        )
+        none = np.zeros(len(each))
+        unsure = shares.get(name, none)[:, None] * each
+        strength, noise = inlet[:, k] + outlet, again - outlet
+        found[name] = Jets(
+            at_rows(known, strength), at_rows(known, unsure), at_rows(known, noise), moved.get(name, none)
+        )
     return found
-
-
-def _share(valve: ValveCurves, key: str, error: np.ndarray) -> np.ndarray:
-    """Errors of a curve at its knots as shares of it, of one at most; none where they are not known."""
-    return np.asarray(np.minimum(np.nan_to_num(error) / np.maximum(getattr(valve, key), 1e-300), 1.0))
 
 
 def _outlet(valve: ValveCurves, spool: np.ndarray, positive: object, negative: object) -> np.ndarray:
@@ -99,11 +101,13 @@ def _noise_of_pressure(noise: dict[str, float]) -> float:
     return max(noise["p_a"], noise["p_b"])
 
 
-def _outlet_jet(k_out: np.ndarray, drop: np.ndarray, q_out: np.ndarray | None, noise: dict[str, float]) -> np.ndarray:
-    """From drop and flow, weighed by what noise makes of each."""
+def _outlet_jet(
+    k_out: np.ndarray, drop: np.ndarray, q_out: np.ndarray | None, noise: dict[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """From drop and flow, weighed by what noise makes of each, and its slope over the conductance."""
     by_drop = k_out * drop
     if q_out is None:
-        return by_drop
+        return by_drop, drop
     open_ = k_out > _CLOSED * k_out.max(initial=1e-300)
     wide = np.where(open_, k_out, 1.0)
     told, q_out = open_ & np.isfinite(q_out), np.nan_to_num(q_out)
@@ -111,4 +115,4 @@ def _outlet_jet(k_out: np.ndarray, drop: np.ndarray, q_out: np.ndarray | None, n
     of_flow = (2.0 * np.maximum(np.abs(q_out), noise["q_out"]) * noise["q_out"] / wide) ** 2
     of_drop = (k_out * _noise_of_pressure(noise)) ** 2
     share = np.where(told, of_drop / (of_drop + of_flow + 1e-300), 0.0)
-    return np.asarray(by_drop + share * (by_flow - by_drop))
+    return by_drop + share * (by_flow - by_drop), drop - share * (drop + by_flow / wide)

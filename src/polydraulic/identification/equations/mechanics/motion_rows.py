@@ -5,7 +5,7 @@ integrated by parts, so that nothing is differentiated twice. Positions and torq
 the same wherever the equation is linear, and the noise of a rate stays small against what smooths Coulomb friction.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,8 +55,26 @@ class Piece(NamedTuple):
     p_b: np.ndarray
 
 
+def steady(machine: LayoutMachine, position: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Where a joint is away from its stops and moves faster than what smooths its friction, (n_row, n_function) as both."""
+    friction = [f.friction for f in machine.functions]
+    fast = np.abs(rate) > [max(_TURNS * own.stribeck, 3.0 * own.smoothing) for own in friction]
+    return np.asarray(fast & clear_of_stops(machine, position))
+
+
+def clear_of_stops(machine: LayoutMachine, position: np.ndarray) -> np.ndarray:
+    """Where a joint is away from its stops, at any rate, (n_row, n_function) as the positions."""
+    low, high = ([getattr(f.stops, end) for f in machine.functions] for end in ("low", "high"))
+    return np.asarray((position > np.array(low) + _NEAR_STOP) & (position < np.array(high) - _NEAR_STOP))
+
+
 def motion_rows(
-    machine: LayoutMachine, numbers: Sequence[Inertial], pieces: Sequence[Piece], widths: np.ndarray, step: float = 0.0
+    machine: LayoutMachine,
+    numbers: Sequence[Inertial],
+    pieces: Sequence[Piece],
+    widths: np.ndarray,
+    step: float = 0.0,
+    counts: Callable[[LayoutMachine, np.ndarray, np.ndarray], np.ndarray] = steady,
 ) -> MotionRows:
     """Rows of all pieces that are long enough.
 
@@ -70,6 +88,8 @@ def motion_rows(
     step : float, s
         Of the simulation that the rows are to agree with. It takes friction at the rate between the position before and this one, half a step
         ago, so that an inertia acts as if it were smaller by viscous friction over half a step. None for motion without steps.
+    counts : function (machine, positions, rates) -> (n_row, n_function) array of bool
+        Which rows say something, `known` of what comes of them.
 
     Raises
     ------
@@ -81,7 +101,12 @@ def motion_rows(
         raise InputError(
             "no two rows of the log with positions and pressures of all functions follow each other; the mechanics cannot be identified from it"
         )
-    made = [rows for piece in pieces for rows in [_of_piece(machine, numbers, piece, widths, step)] if rows is not None]
+    made = [
+        rows
+        for piece in pieces
+        for rows in [_of_piece(machine, numbers, piece, widths, step, counts)]
+        if rows is not None
+    ]
     if not made:
         raster = min(map(raster_of_piece, pieces))
         longest = len(_modulating(float(np.max(widths)), raster)[0])
@@ -93,8 +118,9 @@ def motion_rows(
 
 
 def _of_piece(
-    machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece, widths: np.ndarray, step: float
-) -> MotionRows | None:
+    machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece, widths: np.ndarray, step: float,
+    counts: Callable[[LayoutMachine, np.ndarray, np.ndarray], np.ndarray],
+) -> MotionRows | None:  # fmt: skip
     raster = raster_of_piece(piece)
     smooth, slope = _filter(raster)
     weights = [_modulating(width, raster) for width in widths.tolist()]
@@ -108,15 +134,15 @@ def _of_piece(
     before = rate - 0.5 * step * np.gradient(rate, raster, axis=0)
     others = np.concatenate([friction_regressor(machine, before), late], axis=-1)
     rest = np.concatenate([_rest(machine, numbers, position, rate), others], axis=-1)
-    known, stride = steady(machine, position, rate), max(1, round(widths.min() / raster))
+    known, stride = counts(machine, position, rate), max(1, round(widths.min() / raster))
     of = []
     for k, (weight, weight_slope) in enumerate(weights):
         short = (longest - len(weight)) // 2  # at the same instants as the longest
         inside = slice(short, len(rate) - short)
         made = _passed(rest[inside, k], weight)
         made[:, : len(numbers)] += _passed(moments[inside, k], weight_slope)
-        whole = np.all(np.lib.stride_tricks.sliding_window_view(known[inside, k], len(weight)), axis=-1)
-        of.append((made[::stride], _passed(torque[inside, k], weight)[::stride], whole[::stride]))
+        told = np.all(np.lib.stride_tricks.sliding_window_view(known[inside, k], len(weight)), axis=-1)
+        of.append((made[::stride], _passed(torque[inside, k], weight)[::stride], told[::stride]))
     regressor, oil, told = (np.stack(parts, axis=1) for parts in zip(*of, strict=True))
     first = len(smooth) // 2 + longest // 2
     return MotionRows(regressor, oil, told, piece.time[first : len(piece.time) - first : stride])
@@ -166,16 +192,6 @@ def friction_regressor(machine: LayoutMachine, rate: np.ndarray) -> np.ndarray:
     return found
 
 
-def steady(machine: LayoutMachine, position: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Where a joint is away from its stops and moves faster than what smooths its friction."""
-    known = np.empty(rate.shape, dtype=bool)
-    for k, f in enumerate(machine.functions):
-        fast = np.abs(rate[:, k]) > max(_TURNS * f.friction.stribeck, 3.0 * f.friction.smoothing)
-        away = (position[:, k] > f.stops.low + _NEAR_STOP) & (position[:, k] < f.stops.high - _NEAR_STOP)
-        known[:, k] = fast & away
-    return known
-
-
 def _filter(raster: float) -> tuple[np.ndarray, np.ndarray]:
     """A smooth weight over samples, and what gives the derivative of what it smooths.
 
@@ -218,9 +234,10 @@ def smoothed(values: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]
     return _passed(longer, smooth), _passed(longer, slope)
 
 
-def rate_noise(raster: float) -> float:
-    """Standard deviation of a filtered rate for each unit of that of white noise of positions, 1/s."""
-    return float(np.sqrt(np.sum(_filter(raster)[1] ** 2)))
+def rate_noise(raster: float, width: float | None = None) -> float:
+    """Standard deviation of a filtered rate, or its mean under a weight of that width, for each unit of that of white noise of positions, 1/s."""
+    slope = _filter(raster)[1]
+    return float(np.linalg.norm(slope if width is None else np.convolve(slope, _modulating(width, raster)[0])))
 
 
 def measured_pieces(machine: LayoutMachine, table: Table) -> list[Piece]:

@@ -17,6 +17,7 @@ from polydraulic.identification.equations.mechanics.base_parameters import BaseP
 from polydraulic.identification.equations.mechanics.inertia import torque_regressor
 from polydraulic.identification.equations.mechanics.motion_rows import (
     Piece,
+    clear_of_stops,
     friction_regressor,
     oil_torques,
     raster_of_piece,
@@ -240,7 +241,7 @@ def _derivatives(motion: np.ndarray, stencil: np.ndarray, raster: float) -> list
 
 def _struck(machine: LayoutMachine, position: np.ndarray, fast: np.ndarray) -> np.ndarray:
     """Rows near which any joint runs into its stop, by positions as they were read: a filter makes them late there."""
-    hit = np.any(fast & ~steady(machine, position, np.full(position.shape, np.inf)), axis=1)
+    hit = np.any(fast & ~clear_of_stops(machine, position), axis=1)
     return np.convolve(hit, np.ones(len(_AT) + 2), mode="same") > 0.0
 
 

@@ -65,7 +65,6 @@ def find_circuits(
         found[circuit.name] = known
         so_far.take(_circuit_changes(machine, circuit, known, may, so_far.from_log, so_far.kept))
         so_far.seen |= {name: Seen(v.seen[1], v.pressure[1]) for name, v in known.valves.items()}
-    so_far.remarks += _remarks(machine, found)
     return found
 
 
@@ -120,11 +119,7 @@ def _circuit_changes(
         for key in ("knots", *CURVES):
             values = getattr(v.curves, key)
             errors = v.errors.get(key)
-            sure = (
-                tuple(float("inf") if e != e else float(e) for e in errors)
-                if errors is not None
-                else (0.0,) * len(values)
-            )
+            sure = _told(errors) if errors is not None else (0.0,) * len(values)
             changes[f"functions.{name}.valve.{key}"] = Identified(values, sure, source)
         notes += [
             f"functions.{name}.valve.{key}: kept; the log has too few rows with a spool on that side and a flow out"
@@ -142,6 +137,22 @@ def _circuit_changes(
         ):
             notes.append(f"{circuit.pump_path}.{key}: kept; the log does not show it")
     return changes
+
+
+def take_curves(so_far: SoFar, circuits: dict[str, CircuitFound]) -> None:
+    """Take curves of circuits that were found, as spools may have moved them since, and say what is determined within what error, and what is not."""
+    for c in circuits.values():
+        for name, v in c.valves.items():
+            for key in CURVES:
+                path = f"functions.{name}.valve.{key}"
+                new = so_far.changes[path]._replace(value=getattr(v.curves, key), uncertainty=_told(v.errors[key]))
+                so_far.take({path: new})
+    so_far.remarks += _remarks(so_far.machine, circuits)
+
+
+def _told(errors: np.ndarray) -> tuple[float, ...]:
+    """Standard errors, infinite where there is none."""
+    return tuple(np.where(np.isnan(errors), np.inf, errors).tolist())
 
 
 def _remarks(machine: LayoutMachine, circuits: dict[str, CircuitFound]) -> list[str]:

@@ -6,12 +6,14 @@ import numpy as np
 
 from polydraulic.display import amount
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.circuits import CircuitFound
+from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
 from polydraulic.identification.equations.fit.jets import Jets, jets_of
 from polydraulic.identification.equations.free_numbers import EFFECTS, Freedom
 from polydraulic.identification.equations.identified_file import Identified
-from polydraulic.identification.equations.pilot_fit import PilotFit, SpoolEffects, fit_pilot, told_dead_time
+from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, told_dead_time
 from polydraulic.identification.equations.sensors import Signals, missing_at_valves, smoothed_by, spool_log
+from polydraulic.identification.equations.spool_motion import SpoolEffects
+from polydraulic.identification.equations.ways.curves_by_jets import jet_shares, moved_by_jets, none_moved
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.machine.play import prepare_shift
 from polydraulic.parameters.layout.parts import FlowForce, MachineFunction
@@ -25,6 +27,7 @@ STEP_LAG = 0.5 * _STEP  # for which it holds a voltage, and so adds to every dea
 _SURE, _LEAST = 3.0, 2e-3
 # density and angle where a file has none: the force over the spring is what shows
 _USUAL = FlowForce(1e5, 870.0, np.radians(69.0))
+_PASSES, _SETTLED = 4, 0.1  # over curves that jets move, until they do so by less, in standard errors
 _SELDOM = 0.5  # of a time constant between rows, beyond which a pilot moves between them
 _NO_PILOT = "the log has no voltage with a spool that follows it"
 
@@ -69,27 +72,59 @@ def find_pilots(so_far: SoFar, signals: dict[str, Signals], raster: float) -> di
 
 def look_at_spools(
     so_far: SoFar, signals: dict[str, Signals], circuits: dict[str, CircuitFound], table: Table, segment: np.ndarray
-) -> dict[str, SpoolFound]:
-    """What spools do besides following their pilots, of functions whose pilots or effects are free, or effects known.
+) -> tuple[dict[str, SpoolFound], dict[str, CircuitFound]]:
+    """What spools do besides following their pilots, and curves as they and flows together tell them.
 
     Parameters
     ----------
     so_far : SoFar
-        With curves as they are known.
+        With curves as flows tell them.
     signals : dict from function to Signals
     circuits : dict from name to CircuitFound
         Those that were fitted.
     table : Table
         The log, in SI.
     segment : (n_row,) array
+
+    Returns
+    -------
+    dict from function to SpoolFound
+        Of those whose pilots or effects are free, or effects known.
+    dict from name to CircuitFound
+        Whose curves differ where jets push spools.
     """
-    machine, may = so_far.machine, so_far.may
-    jets, found = dict[str, Jets](), dict[str, SpoolFound]()
+    fitted = {name: v for c in circuits.values() for name, v in c.valves.items()}
+    shares, moved = ({name: of(v) for name, v in fitted.items()} for of in (jet_shares, none_moved))
+    valves = dict(fitted)
+    for _ in range(_PASSES):
+        jets = _jets(so_far.machine, signals, valves, shares, moved, segment)
+        found = _looked(so_far, signals, jets, table, segment)
+        pushed = {name: s.fit for name, s in found.items() if s.fit.effects.shift > 0.0 and name in fitted}
+        moved |= {name: moved[name] + fit.moved for name, fit in pushed.items()}
+        valves |= {name: moved_by_jets(fitted[name], moved[name], fit.moved_errors) for name, fit in pushed.items()}
+        if all(np.abs(fit.moved).max(initial=0.0) < _SETTLED for fit in pushed.values()):
+            break
+    return found, {name: c._replace(valves={own: valves[own] for own in c.valves}) for name, c in circuits.items()}
+
+
+def _jets(
+    machine: LayoutMachine, signals: dict[str, Signals], valves: dict[str, ValveFound], shares: dict[str, np.ndarray],
+    moved: dict[str, np.ndarray], segment: np.ndarray,
+) -> dict[str, Jets]:  # fmt: skip
+    """Jets of all functions whose circuits have the sensors for it, with curves as they are known by now."""
+    now = (f._replace(valve=valves[f.name].curves) if f.name in valves else f for f in machine.functions)
+    machine, found = machine._replace(functions=tuple(now)), dict[str, Jets]()
     for circuit in machine.circuits:
         if not lacking_for_jets(machine, circuit.functions[0], signals):
-            valves = circuits[circuit.name].valves if circuit.name in circuits else {}
-            errors = {name: v.errors for name, v in valves.items()}
-            jets |= jets_of(machine, circuit, signals, segment, errors)
+            found |= jets_of(machine, circuit, signals, segment, shares, moved)
+    return found
+
+
+def _looked(
+    so_far: SoFar, signals: dict[str, Signals], jets: dict[str, Jets], table: Table, segment: np.ndarray
+) -> dict[str, SpoolFound]:
+    """What spools do besides following their pilots, at given jets."""
+    machine, may, found = so_far.machine, so_far.may, dict[str, SpoolFound]()
     for f in machine.functions:
         pilot, own, travel = signals[f.name].pilot, jets.get(f.name), f.valve.knots[-1]
         free = [key for key, path in EFFECTS.items() if may.has(f"functions.{f.name}.{path}")]
