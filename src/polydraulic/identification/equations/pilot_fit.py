@@ -163,13 +163,13 @@ def fit_pilot(
             *np.zeros(len(before)),
         ],
         low + 0.01 * np.abs(low),
-        high - 0.01 * np.abs(high),
+        high * 0.99,
     )
     found = least_squares(
         off,
         begin,
         bounds=(low, high),
-        loss=loss,
+        loss=loss if len(before) else "soft_l1",
         f_scale=3.0 * sensor,
         max_nfev=60,
         args=(strength,),
