@@ -160,7 +160,7 @@ WRITERS = {
     "files.py": {"write_texts"},
     "tables.py": {"table_writer"},  # rows of a writer that is open
     "export/build.py": {"_compiled", "compile_program"},
-    "export/fresh.py": {"_interpreted", "run_c"},
+    "export/fresh.py": {"_interpreted", "run_c", "run_c_rows"},
     "export/fresh_script.py": {"main"},
     "measure/formats/mat/v5.py": {"_array"},
     "measure/formats/can/can_log.py": {"flush"},

@@ -96,7 +96,7 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
         ("fit log.parquet --inputs u --outputs u --dynamic --out m.json", "column 'u' is both input and output"),
         ("fit log.parquet --inputs u --outputs y --longest-lag 3 --out m.json", "--longest-lag goes with --dynamic"),
         ("run static.json log.parquet", "the model of 'y' is static"),
-        ("run none.json log.parquet", "none.json: cannot be read"),
+        ("run none.json log.parquet", "model file none.json: no such file"),
         ("run static.json none.csv", "none.csv: no such file"),
     ],
 )

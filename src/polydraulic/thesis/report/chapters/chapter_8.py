@@ -158,7 +158,7 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             "Structure that is known need not be learnt: this is the difference between the two ways. After "
             f"{short.minutes:g} min the medians are {of(networks, short)} and {of(equations, short)}. Networks buy something else: they need no "
             "equations, so that a valve which nobody can describe is no obstacle. Here the identified equations are those of the machine that was logged; docs/identify.md has "
-            "a machine with hysteresis, flow forces and stiction that the equations do not have, and there the identified machine is far off.",
+            "a machine with hysteresis, flow forces and stiction that its file does not declare: there the identified machine is far off until these are free to be found.",
             "Structure or data.",
         ),
         Paragraph(
