@@ -85,6 +85,45 @@ def test_it_makes_no_difference_where_a_log_is_cut(monkeypatch):
     assert (pull_of_cut - pull) / scale == pytest.approx(np.zeros(len(scale)), abs=0.5)
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6])
+def test_a_few_rows_at_the_end_of_a_piece_have_the_covariance_that_their_slopes_make(count):
+    rng = np.random.default_rng(0)
+    of_motion, own = rng.normal(size=(count, 2, 5, 3)), rng.uniform(1.0, 2.0, size=(count, 2))
+    over_positions = np.zeros((count, 2, count + 4, 3))
+    for row in range(count):
+        over_positions[row, :, row : row + 5] = of_motion[row]
+    flat = over_positions.reshape(2 * count, -1)
+    whole = flat @ flat.T + np.diag(own.ravel())
+    band = noisy_motion._covariance(of_motion, own)
+    for below, diagonal in enumerate(band[: 2 * count]):
+        assert diagonal[: 2 * count - below] == pytest.approx(np.diagonal(whole, -below))
+
+
+def test_the_last_chunk_of_a_piece_may_have_any_number_of_rows(monkeypatch):
+    machine = load_machine("wheel_loader")
+    log, truth = motion_log(machine, seconds=20.0, noise=1.0), truth_of(machine)
+    for last in range(1, 8):
+        monkeypatch.setattr(noisy_motion, "_CHUNK", len(log) - 4 - last)
+        motion = motion_of(machine, 1.0, log=log, late=0.0)
+        assert len(motion.chunks[1].known) == last
+        assert np.isfinite(motion.rows_at(truth).gram).all()
+
+
+@pytest.mark.parametrize("rows", range(5, 13))
+def test_a_piece_may_have_any_number_of_rows(rows):
+    machine = load_machine("wheel_loader")
+    log = motion_log(machine, seconds=20.0, noise=1.0)
+    after = np.arange(len(log)) >= len(log) - rows
+    motion = motion_of(
+        machine,
+        1.0,
+        log=Table({**log.columns, "segment": after.astype(float)}, {**log.units, "segment": "1"}),
+        late=0.0,
+    )
+    assert [len(chunk.known) for chunk in motion.chunks] == [len(log) - rows - 4, *([rows - 4] if rows > 8 else [])]
+    assert np.isfinite(motion.rows_at(truth_of(machine)).gram).all()
+
+
 def test_a_load_for_a_while_loosens_its_rows():
     machine = load_machine("wheel_loader")
     log = motion_log(machine, seconds=60.0, noise=1.0)

@@ -242,14 +242,15 @@ def _derivatives(motion: np.ndarray, stencil: np.ndarray, raster: float) -> list
 def _struck(machine: LayoutMachine, position: np.ndarray, fast: np.ndarray) -> np.ndarray:
     """Rows near which any joint runs into its stop, by positions as they were read: a filter makes them late there."""
     hit = np.any(fast & ~clear_of_stops(machine, position), axis=1)
-    return np.convolve(hit, np.ones(len(_AT) + 2), mode="same") > 0.0
+    reach = len(_AT) // 2 + 1
+    return np.convolve(hit, np.ones(2 * reach + 1))[reach : reach + len(hit)] > 0.0
 
 
 def _covariance(of_motion: np.ndarray, own: np.ndarray) -> np.ndarray:
     """Of rows that follow each other, as a lower band: by their slopes over positions in standard deviations, and variances of their own."""
     count, n = own.shape
     band = np.zeros((len(_AT) * n, count * n))
-    for later in range(len(_AT)):
+    for later in range(min(len(_AT), count)):
         pairs = np.einsum(
             "tijk,tljk->til",
             of_motion[later:, :, : len(_AT) - later],
