@@ -35,6 +35,22 @@ def test_patterns_choose_paths(loader):
         freedom(loader, {}, ["links.none.mass"])
     with pytest.raises(InputError, match=f"near it: functions.{name}.valve.inlet, "):
         freedom(loader, {}, [f"functions.{name}.valve.inlte"])
+    with pytest.raises(InputError, match="'zzz' fits no number of the machine; paths are such as gravity, "):
+        freedom(loader, {}, ["zzz"])
+
+
+@pytest.mark.parametrize(
+    ("misspelt", "meant"),
+    [
+        ("friction.stick", "friction.sticks"),
+        ("valve.hysteresys", "valve.hysteresis"),
+        ("valve.flow_force", "valve.flow_force.spring_rate"),
+    ],
+)
+def test_what_a_file_need_not_declare_is_near_as_well(loader, misspelt, meant):
+    name = loader.names[0]
+    with pytest.raises(InputError, match=f"near it: functions.{name}.{meant}"):
+        freedom(loader, {}, [f"functions.{name}.{misspelt}"])
 
 
 def test_a_file_marks_what_is_free_with_its_spread(loader, tmp_path):

@@ -15,9 +15,8 @@ PUMPS = ("pump", "giving", "taking")  # tables of a circuit that are one, those 
 PUMP_NUMBERS = ("flow", "relief", "torque_limit_start")
 # what keeps a spool from where its pilot drives it, and where it stands below a function; a file need not declare it
 EFFECTS = {"hysteresis": "valve.hysteresis", "shift": "valve.flow_force.spring_rate"}
-HOLDS = (
-    "friction.sticks"  # whether dry friction holds a joint: a switch, no number, and only where somebody asks for it
-)
+# whether dry friction holds a joint: a switch, no number, and only where somebody asks for it
+HOLDS = "friction.sticks"
 _PILOT = ("gain", "time_constant", "dead_time")
 
 
@@ -91,8 +90,10 @@ def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str
         asked = [path for path in effects if pattern.endswith(path.rpartition(".")[2])]
         fitting = [path for path in dict.fromkeys([*paths, *asked]) if fnmatchcase(path, pattern)]
         if not fitting:
-            near = get_close_matches(pattern, paths, n=3, cutoff=0.4) or list(paths)[:3]
-            raise InputError(f"--free {pattern!r} fits no number of the machine; near it: {', '.join(near)}")
+            known = list(dict.fromkeys([*paths, *effects]))
+            near = get_close_matches(pattern, known, n=3, cutoff=0.4)
+            said = f"near it: {', '.join(near)}" if near else f"paths are such as {', '.join(known[:3])}"
+            raise InputError(f"--free {pattern!r} fits no number of the machine; {said}")
         found |= {path: found.get(path, float("nan")) for path in fitting}
     if not found:
         return Freedom({path: float("nan") for path in paths if fitted_here(path)}, False)
