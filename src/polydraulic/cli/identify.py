@@ -68,6 +68,8 @@ def identify(
     - Spools that lag and are pushed back by jets, of a file that does not say so: `--free 'functions.*.valve.hysteresis' --free
     'functions.*.valve.flow_force.spring_rate' --free 'functions.*.valve.*' --free 'functions.*.pilot.*' --free 'circuits.*.pump.*'`
 
+    - Whether dry friction holds joints: `--free 'functions.*.friction.sticks'` beside the others
+
     - What else to measure: `polydraulic identify table.parquet --machine my_machine.toml --plan`
 
     What comes next: `polydraulic machine check identified.toml`, then `polydraulic replay later.parquet --machine identified.toml --flow exact` runs it

@@ -58,9 +58,9 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     Raises
     ------
     InputError
-        Where an angle jumps by more than half a turn from row to row, most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, no pressure
-        of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go many times beyond the voltage of full travel; where rows
-        come too seldom to show anything.
+        Where an angle jumps by more than half a turn from row to row, most rows of a position lie far beyond the joint's stops, many of a spool or a
+        flow beyond all that the machine has, no pressure of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go
+        many times beyond the voltage of full travel; where rows come too seldom to show anything.
     """
     if "time" in table.names and len(table) > 1 and (raster := float(np.median(np.diff(table["time"])))) > _SLOWEST:
         raise InputError(

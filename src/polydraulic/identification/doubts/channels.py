@@ -47,9 +47,8 @@ def channel_doubts(machine: LayoutMachine, table: Table) -> list[ChannelDoubt]:
     votes = lever_votes(machine, table)
     found = list(lever_doubts(machine, table, votes))
     places = {f.name: position_column(machine, f) for f in machine.functions}
-    if not any(
-        set(places.values()).intersection(columns) for columns, _ in found
-    ):  # torques need positions that are right
+    if not any(set(places.values()).intersection(columns) for columns, _ in found):
+        # torques need positions that are right
         right = [places[name] for name, of in votes.items() if any(v.sure and not v.turned for v in of.values())]
         found += list(beyond_relief(machine, table)) or torque_doubts(machine, table, right).named
     return [ChannelDoubt(*doubt) for doubt in found]

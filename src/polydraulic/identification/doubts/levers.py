@@ -172,9 +172,8 @@ def votes_of(machine: LayoutMachine, table: Table, lever: MachineFunction, what:
         return Votes(0, 0)
     fastest = float(np.quantile(np.abs(np.concatenate([way for _, way, _ in pieces])), 0.98))
     between = min(moved.stops.high - moved.stops.low, _LONGEST_WAY)
-    # of a difference
-    noise = np.sqrt(2.0) * noise_of_pieces([position for _, _, position in pieces])
-    least = max(_NOISES * noise, _USUAL * fastest, _LEAST_WAY * between)
+    of_difference = np.sqrt(2.0) * noise_of_pieces([position for _, _, position in pieces])
+    least = max(_NOISES * of_difference, _USUAL * fastest, _LEAST_WAY * between)
     along = against = up = down = 0
     for order, way, _ in pieces:
         going = np.sign(way) * (np.abs(way) > least)

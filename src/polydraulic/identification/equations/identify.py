@@ -1,7 +1,8 @@
 """A machine identified from a log of its work: curves, pumps, pilots, masses and friction inside the equations that are known.
 
 Ways, each where the log has the sensors for it (`ways`): pilots, and what spools do besides, from voltages and spools; circuits from spools,
-pressures and flows; masses and friction from pressures and positions, and whether it holds; what is left through simulation. All else keeps its value and is named, with the reason.
+pressures and flows; masses and friction from pressures and positions, and whether it holds; what is left through simulation. All else keeps its
+value and is named, with the reason.
 """
 
 import hashlib
@@ -143,7 +144,7 @@ def identify(
     For each circuit of valves in series: inlet, bypass and outlet conductances over spool travel, monotone, on knots that are added where blocks of
     time held out ask for them; flow of the pump, and its relief setting and torque limit where rows show them. For each function with voltage and
     spool: gain, time constant and dead time of its pilot, and hysteresis and flow force of the spool where they are free. Masses and friction that
-    are marked: by regression from pressures and positions. What is free and has not the sensors for these: through simulation, from voltages and
+    are marked: by regression from pressures and positions, and from joints at rest whether friction holds them. What is free and has not the sensors for these: through simulation, from voltages and
     positions of all functions and whatever else there is.
     Numbers that the sensors do not determine keep their value. Beyond the travel that the log has, curves go on in the shape they had,
     scaled to meet, and a bypass with its slope until it shuts where it did.
@@ -160,7 +161,8 @@ def identify(
         To begin from, or its name or file.
     free : sequence of str
         Patterns of paths that may change, such as ``functions.*.valve.*``, besides what the file marks with ``free = true``. If nothing is
-        marked either, curves, pumps and pilots may; masses and friction only where a log tells nothing else.
+        marked either, curves, pumps, pilots and effects of spools that the file declares may; masses and friction only where a log tells nothing
+        else. Whether dry friction holds joints is found only by a pattern that ends so, ``functions.*.friction.sticks``.
     parts : str or Path, optional
         Folder in which finished circuits, and how far simulation has come, are kept, and found again by the next call with the same log and machine.
     progress : Progress, optional

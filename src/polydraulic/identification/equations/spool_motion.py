@@ -83,7 +83,7 @@ def smooth_spool(
     likely = [_smoothed(pieces, pushed, spool, keep, r * share * share, r, found, work)[0] for share in _ROUGHNESS]
     best = _ROUGHNESS[int(np.argmax(likely))]
     _, variance = _smoothed(pieces, pushed, spool, keep, r * best * best, r, found, work)
-    return found.copy(), float(np.sqrt(variance))
+    return found, float(np.sqrt(variance))
 
 
 def _pushed(

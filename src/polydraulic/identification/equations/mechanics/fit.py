@@ -81,9 +81,10 @@ class MechanicsFit(NamedTuple):
     lag : float, s
         By how much pressures are late against positions.
     residual : tuple of float, N m or N
-        Robust standard deviation of what is left of each function's mean torque over 0.3 s.
+        Robust standard deviation of what is left of each function's mean torque over 0.3 s, in units of what noise of all sensors makes of
+        that, times `noise`.
     noise : tuple of float, N m or N
-        Of what noise of the sensors alone makes of it.
+        What noise of pressures makes of such a mean torque.
     torque : tuple of float, N m or N
         Root of the mean square of the torque itself.
     """

@@ -57,11 +57,16 @@ def at_rest(machine: LayoutMachine, table: Table) -> dict[str, Resting]:
     machine : LayoutMachine
     table : Table
         In SI.
+
+    Raises
+    ------
+    InputError
+        No rows of positions and pressures of all functions that follow each other, or none for long enough.
     """
     numbers, pieces = base_parameters(machine).numbers, _first(measured_pieces(machine, table))
     if not pieces:
         return {}
-    n, first, wide = len(numbers), len(machine.functions), np.full(len(machine.functions), _WIDTH)
+    n, joints = len(numbers), len(machine.functions)
     sliding = motion_rows(machine, numbers, pieces, weight_widths(machine, numbers, pieces))
     if sliding.known.sum() < _SLIDING:
         return {}
@@ -76,13 +81,17 @@ def at_rest(machine: LayoutMachine, table: Table) -> dict[str, Resting]:
     )[0]
     left = np.abs(sliding.torque - sliding.regressor @ told)
     still = motion_rows(
-        machine, numbers, pieces, wide, counts=lambda machine, position, _: clear_of_stops(machine, position)
+        machine,
+        numbers,
+        pieces,
+        np.full(joints, _WIDTH),
+        counts=lambda machine, position, _: clear_of_stops(machine, position),
     )
     without = told.copy()
-    without[n : n + len(FRICTION) * first] = 0.0
+    without[n : n + len(FRICTION) * joints] = 0.0
     friction, found = np.abs(still.torque - still.regressor @ without), dict[str, Resting]()
     raster = raster_of_piece(pieces[0])
-    noise = [noise_of_pieces([piece.position[:, k] for piece in pieces]) for k in range(first)]
+    noise = [noise_of_pieces([piece.position[:, k] for piece in pieces]) for k in range(joints)]
     unsure = np.array(noise) * rate_noise(raster, _WIDTH)
     for k, f in enumerate(machine.functions):
         place = n + len(FRICTION) * k

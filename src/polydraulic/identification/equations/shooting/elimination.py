@@ -30,12 +30,13 @@ class Reduced(NamedTuple):
     Attributes
     ----------
     gram : (n_window, n, n) array
+        Of the numbers.
     gradient : (n_window, n) array
-        Half of it.
+        Half that of the squares, priors of states among them.
     to_numbers : (n_window, n_state, n) array
-        Steps of the states, against which they are subtracted, for each step of the numbers.
+        What is to be subtracted from the states for a step of each number.
     own : (n_window, n_state) array
-        Their own steps.
+        What is to be subtracted from them besides.
     """
 
     gram: np.ndarray
