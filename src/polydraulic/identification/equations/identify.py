@@ -250,7 +250,10 @@ def identify(
             finished,
             lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps),
         )
-    lacks = [f"{what}: {'not by regression' if runs else 'kept'}; {why}" for what, why in so_far.lacks.items()]
+    lacks = [
+        f"{what}: {'not by regression' if runs and not what.startswith(taken) else 'kept'}; {why}"
+        for what, why in so_far.lacks.items()
+    ]
     now, then = ([f.effects for f in machine.functions] for machine in (so_far.machine, before))
     if not so_far.changes and now == then:
         raise InputError("; ".join([f"{source} determines nothing of this machine", *lacks, *so_far.kept]))

@@ -85,9 +85,10 @@ def test_pilots_and_pump_from_commands_and_angles_alone(tmp_path):
     log = commands_and_angles(operator_log(NAME, seconds=13.0))
     assert lacking_for_runs(true, log) == ""
     start = begun(true, 1.12, ("lift.pilot.gain", "work.pump.flow"))
+    never = ["functions.lift.valve.hysteresis", "functions.lift.friction.sticks"]  # through simulation
     told = []
     found = identify(
-        log, start, free=["functions.lift.pilot.gain", "*.pump.flow"], progress=lambda *step: told.append(step)
+        log, start, free=["functions.lift.pilot.gain", "*.pump.flow", *never], progress=lambda *step: told.append(step)
     )
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
     assert all(done <= total for _, done, total in told)
@@ -95,6 +96,8 @@ def test_pilots_and_pump_from_commands_and_angles_alone(tmp_path):
     assert found.machine.circuit("work").pump.flow == pytest.approx(true.circuit("work").pump.flow, rel=5e-3)
     assert "simulation of" in found.changes["circuits.work.pump.flow"].source
     assert "circuits.work: not by regression; the log has no tilt.spool" in " ".join(found.kept)
+    for path in never:
+        assert [line for line in found.kept if line.startswith(f"{path}: kept; the log has no ")]
     text = str(found)
     assert "windows of 2 s against sensors" in text
     assert re.search(r"lift\.angle +\S+ deg +0\.02\d+ deg", text)
