@@ -24,7 +24,7 @@ from polydraulic.networks.model.lags import Lag
 from polydraulic.networks.model.model import Variable
 
 _WIDTH = 120
-_ANSWERS = 25  # rows of the self-test that are answered
+_ANSWERS = 25  # rows of the self-test that are answered; an exit code has room for their number, below 256
 _WINDOWS = 2  # and windows of the slowest strength that are measured before
 _PERIODS = (30.0, 90.0)  # rows, of the waves of its signals
 
