@@ -32,3 +32,9 @@ def test_an_angle_that_goes_on_by_itself_is_as_it_was(size):
     found, anew = continued(Turns(360.0), read, size)
     assert np.array_equal(found, read)
     assert not anew.size
+
+
+def test_an_angle_that_went_on_does_not_jump_back_where_more_than_a_turn_is_read():
+    found, anew = continued(Turns(360.0), np.array([200.0, 350.0, 10.0, 200.0, 374.0, 370.0]), 3)
+    assert found.tolist() == [200.0, 350.0, 370.0, 560.0, 734.0, 730.0]
+    assert anew.tolist() == [2]

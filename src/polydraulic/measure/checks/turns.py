@@ -28,7 +28,7 @@ class Turns:
         self._last = float(value[-1])
         anew = np.flatnonzero(np.abs(step) > _JUMP * self.turn)
         if self._high - self._low > _ONE * self.turn:
-            return value, anew[:0]
+            return value + self.turn * self._whole, anew[:0]
         whole = np.zeros(len(value))
         whole[anew] = -np.sign(step[anew])
         whole = self._whole + np.cumsum(whole)
