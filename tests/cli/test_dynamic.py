@@ -79,6 +79,10 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     code, out, _ = call("export m.json --to python --out m.py")
     assert code == 0
     assert "shifts them from row to row, and lets the output change from the last one y by -" in out
+    out = call("export m.json --to c --out c")[1]
+    assert "gcc -std=c99 -DY_SELF_TEST c/y.c -lm" in out
+    assert "gcc -std=c99 -DY_RUN_SELF_TEST c/y.c c/y_run.c -lm" in out
+    assert "RUN_SELF_TEST" not in call("export m.json --to c --real float --out single")[1]
 
 
 @pytest.mark.parametrize(

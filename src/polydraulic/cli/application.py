@@ -82,10 +82,11 @@ def say_written(*paths: Path | None) -> None:
             print(f"{path}: written")
 
 
-def say_self_test(source: Path) -> None:
-    """How exported C is tried."""
+def say_self_test(source: Path, *others: Path) -> None:
+    """How exported C is tried, which may need other sources."""
+    sources = " ".join(quote(str(path)) for path in (*others, source))
     print(
-        f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {quote(str(source))} -lm, and run what comes of it: exit code 0 where it answers "
+        f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {sources} -lm, and run what comes of it: exit code 0 where it answers "
         "as the package does"
     )
 

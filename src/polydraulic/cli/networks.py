@@ -244,7 +244,10 @@ def export(
         written = export_models(models, to, out, name=name, real=real, cross=cross, progress=progress)
     print(written)
     if to == "c":
-        say_self_test(written.files[1])
+        _, source, *run = written.files
+        say_self_test(source)
+        if run and real == "double":
+            say_self_test(run[1], source)
 
 
 @app.command()
