@@ -153,6 +153,7 @@ def test_header_and_note_say_what_it_takes(tmp_path):
     assert "m_run.h runs row by row" in made.notes[-1]
     header = " ".join((tmp_path / "m_run.h").read_text().replace(" *", "").split())
     assert "inputs[0] lift cmd [V] inputs[1] tilt [V] outputs[0] boom [rad] outputs[1] stick [rad]" in header
+    assert "boom [rad] reads lift cmd 3; boom 1 rows ago, and changes by -0.2 to 0.2 rad a row; its strength" in header
     assert "its strength differs from one time to another by 20.0% both ways" in header
     assert "#define M_RUN_INPUT_LIFT_CMD 0" in header
     assert "#define M_RUN_WARM_UP 3" in header

@@ -100,6 +100,15 @@ def test_without_a_raster_it_is_the_function_of_lagged_values(tmp_path):
     assert made.notes[0].startswith("dynamic, a function of lagged values")
 
 
+def test_what_outputs_hold_is_said_and_has_no_limits_where_it_may_be_measured():
+    whole = bundle(joints())
+    told = {v.name: v for v in describe_run(whole, run_of(whole)).variables}
+    assert [(told[name].low, told[name].high) for name in NAMES[2:]] == [(None, None)] * 2
+    assert (told["lift cmd"].low, told["lift cmd"].high, told["lift cmd"].unit) == (-1.5, 1.5, "V")
+    assert told["boom.strength_upwards"].description.startswith("How strong the joint is upwards")
+    assert told["boom.strength_downwards"].description.startswith("How strong the joint is downwards")
+
+
 def test_names_that_are_taken_and_models_without_inputs():
     whole = bundle([joint("measuring", [Lag("measuring", 1)], [0.9])])
     what = describe_run(whole, run_of(whole))

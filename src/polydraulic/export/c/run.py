@@ -19,7 +19,7 @@ from polydraulic.export.translate.program import Program
 from polydraulic.networks.dynamic.free_run import dynamics_of, limits_of, prepare_loop, run_windows, strengths_before
 from polydraulic.networks.dynamic.joint_strength import strength_numbers
 from polydraulic.networks.dynamic.rows import STATES, answer, begin_strength, see_row, strength_of
-from polydraulic.networks.model.lag_words import lags_in_words, strength_in_words
+from polydraulic.networks.model.lag_words import change_in_words, lags_in_words, strength_in_words
 from polydraulic.networks.model.lags import Lag
 from polydraulic.networks.model.model import Variable
 
@@ -184,13 +184,12 @@ def _about(whole: Bundle, run: Run, real: Real) -> list[str]:
     far = "as far apart as those of the log" if run.raster is None else f"{run.raster:g} s apart"
     texts = [
         "There is no hidden state: a copy of the struct is a copy of the run, which goes on by itself from what was measured. Rows are "
-        f"{far}. {name}.c answers from lagged values; an answer moves by as much more or less as its joint is strong, where that is followed, within "
-        "the largest change and the ends of its output.",
+        f"{far}. {name}.c answers from lagged values; where the strength of a joint is followed, the change from the last row is multiplied by it, and "
+        "kept within the largest change and the ends of the output.",
     ]
     for model in whole.models:
         dynamics = dynamics_of(model)
-        low, high = dynamics.step
-        told = f"{model.output} reads {lags_in_words(dynamics)}, and changes by {low:.6g} to {high:.6g} a row"
+        told = f"{model.output} reads {lags_in_words(dynamics)}, and changes by {change_in_words(model.output, dynamics)} a row"
         if dynamics.strength is not None:
             told += f"; {strength_in_words(dynamics)}: windows of {dynamics.strength.rows} rows, before the first of which it is as strong as in the mean"
         texts.append(f"{told}.")

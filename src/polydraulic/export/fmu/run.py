@@ -56,25 +56,24 @@ def describe_run(whole: Bundle, run: Run) -> FmuDescription:
     ends = [limits_of(model)[2:] for model in whole.models]
     sizes = [max([abs(end) for end in pair if abs(end) < UNBOUNDED], default=0.0) or 1.0 for pair in ends]
     for variable, size in zip(run.outputs, sizes, strict=True):
-        add(
-            f"{variable.name}.measured", "input", variable.unit, nominal=size, description="Read while 'measuring' is 1"
-        )
+        about = "Read where the row was measured"
+        add(f"{variable.name}.measured", "input", variable.unit, nominal=size, description=about)
     about = "1: the row was measured; 0: it is answered. A measured row behind one that was answered begins anew"
     add("measuring", "input", "1", 1.0, 0.0, 1.0, 1.0, about)
-    for variable, size, (low, high) in zip(run.outputs, sizes, ends, strict=True):
-        limits = (None if low == -UNBOUNDED else low, None if high == UNBOUNDED else high)
-        add(variable.name, "output", variable.unit, 0.0, *limits, size, "Of the last row, measured or answered")
+    for variable, size in zip(run.outputs, sizes, strict=True):  # without limits, as a measured row may hold anything
+        about = "Of the last row, measured or answered"
+        add(variable.name, "output", variable.unit, nominal=size, description=about)
     for k in run.strong:
         for way in ("upwards", "downwards"):
-            about = "How strong the joint is: a factor of its rate, 1 in the mean"
+            about = f"How strong the joint is {way}: a factor of its rate, 1 in the mean"
             add(f"{run.outputs[k].name}.strength_{way}", "output", "1", nominal=1.0, description=about)
-    about = f"Of the last row: 0, 1 a value read is outside of the domain, 2 it was a gap, 3 fewer than {run.warm_up} rows are known"
+    about = f"Of the last row: 0 well, 1 a value read is outside of the domain, 2 it was a gap, 3 fewer than {run.warm_up} rows are known"
     add("status", "output", "1", 0.0, 0.0, 3.0, 1.0, about)
-    raster = run.raster or 1.0
-    text = f"{', '.join(map(str, run.outputs))}, by rows every {raster:g} s"
+    assert run.raster is not None
+    text = f"{', '.join(map(str, run.outputs))}, by rows every {run.raster:g} s"
     return FmuDescription(
-        whole.name, tuple(found), text, model_exchange=False, derivatives=False, step=raster, memory=_size(run) + 2,
-        stop=_ROWS * raster,
+        whole.name, tuple(found), text, model_exchange=False, derivatives=False, step=run.raster, memory=_size(run) + 2,
+        stop=_ROWS * run.raster,
     )  # fmt: skip
 
 

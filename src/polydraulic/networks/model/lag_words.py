@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from polydraulic.networks.model.lags import Dynamics
-from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.model import Model, Variable
 
 _HOURS = 7200.0  # s; beyond, no log tells how long
 
@@ -32,6 +32,13 @@ def strength_in_words(dynamics: Dynamics) -> str:
     )
 
 
+def change_in_words(output: Variable, dynamics: Dynamics) -> str:
+    """What an output changes by from row to row: "-0.2 to 0.2 rad"."""
+    low, high = dynamics.step
+    unit = f" {output.unit}" if output.unit not in ("", "1") else ""
+    return f"{low:.6g} to {high:.6g}{unit}"
+
+
 def dynamic_notes(models: Sequence[Model]) -> list[str]:
     """What an export, or a proof, of dynamic models is about, in words; nothing of static ones."""
     steps: dict[str, list[str]] = {}
@@ -39,10 +46,8 @@ def dynamic_notes(models: Sequence[Model]) -> list[str]:
     for model in models:
         if model.dynamics is None:
             continue
-        low, high = model.dynamics.step
         raster = "" if model.dynamics.raster is None else f", rows {model.dynamics.raster:g} s apart"
-        unit = f" {model.output.unit}" if model.output.unit not in ("", "1") else ""
-        change = f"{model.output.name} by {low:.6g} to {high:.6g}{unit}"
+        change = f"{model.output.name} by {change_in_words(model.output, model.dynamics)}"
         steps.setdefault(lags_in_words(model.dynamics) + raster, []).append(change)
     found = [
         f"dynamic, a function of lagged values: {lags}. Whoever calls it shifts them from row to row, and lets "
