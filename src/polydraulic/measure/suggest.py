@@ -34,8 +34,8 @@ _UNIT_NAME = re.compile(
 )
 _X_NAME = re.compile(r"(?i)^x[ _-]?(value|axis)$")  # of the first column, as LabVIEW and oscilloscopes call the time
 _COUNTER = re.compile(r"(?i)^(column 1|unnamed: \d+|index|row|no\.?|nr\.?|#|samples?|scan|record|point|n|count|id)$")
-# 7.8 s; steps below it are days, where the numbers can be: as s they were more than 10,000 rows a second, which no log has
 _EVEN, _EVEN_ROWS = 0.1, 20  # share by which steps of a time may differ, and of those that differ more; rows that tell
+# 7.8 s; steps below it are days, where the numbers can be: as s they were more than 10,000 rows a second, which no log has
 _LEAST_DAY = 9e-5
 _SINCE_1970 = ((1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
