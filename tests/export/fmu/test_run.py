@@ -76,13 +76,14 @@ def test_a_state_that_is_stored_looks_ahead_again_and_again(tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_step_without_an_answer_fails(tmp_path):
+def test_a_step_without_an_answer_fails_and_says_why(tmp_path, capfd):
     path = export_fmu(joints(), tmp_path / "m.fmu").main
     running = Running(path, tmp_path / "few")
     assert running.get("boom", "status") == [0.0, 3.0]
     running.row(log(2)[0], True)
     with pytest.raises(fmpy.fmi1.FMICallException):
         running.row(log(2)[1], False)
+    assert "there is no answer: 3 rows must have been measured before" in capfd.readouterr().out
     running = Running(path, tmp_path / "gap")
     for row in log(10):
         running.row(row, True)

@@ -105,6 +105,7 @@ def _equations(whole: Bundle, run: Run) -> str:
 #define REST {size} /* in rows */
 #define STATUS {size + 1}
 #define MOST_ROWS 1e9
+#define FMU_STUCK "there is no answer: {run.warm_up} rows must have been measured before, inputs be finite, and a step take no more than 1e9 rows"
 
 typedef char run_fits_into_memory[(sizeof({name}) == {size} * sizeof(double)) ? 1 : -1];
 

@@ -8,6 +8,7 @@
  *   fmu_outputs(v, memory)                    outputs from inputs, parameters and memory
  *   fmu_advance(v, memory, from, to)          memory through time, inputs held; returns 0 if it cannot go on
  *   fmu_partials(v, memory, partials)         partials[FMU_N_INPUTS * k + i]: output k by input i
+ *   FMU_STUCK, if it is defined               why it cannot go on
  */
 #ifndef FMU_H
 #define FMU_H
@@ -27,6 +28,10 @@ static const int fmu_places[FMU_N_VARIABLES] = FMU_PLACES;
 static const double fmu_starts[FMU_N_VARIABLES] = FMU_STARTS;
 
 #include "equations.h"
+
+#ifndef FMU_STUCK
+#define FMU_STUCK "the equations cannot go on"
+#endif
 
 typedef enum { FMU_INSTANTIATED, FMU_INITIALIZATION, FMU_RUNNING, FMU_TERMINATED, FMU_FAILED } fmu_mode;
 
@@ -152,7 +157,7 @@ static const char *fmu_step(fmu_state *s, double from, double step)
     }
     if (!fmu_advance(s->values, s->memory, from, to)) {
         s->mode = FMU_FAILED;
-        return "the equations cannot go on";
+        return FMU_STUCK;
     }
     s->time = to;
     s->fresh = 0;
