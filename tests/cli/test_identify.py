@@ -38,7 +38,11 @@ def silent(tmp_path, monkeypatch):
         ),
         (
             "silent.csv --machine wheel_loader --out m.toml",
-            "silent.csv determines nothing of this machine; functions.lift.pilot: kept; the log has no voltage with a spool that follows it; ",
+            "silent.csv determines nothing of this machine; circuits.work: kept; the log has no ",
+        ),
+        (
+            "silent.csv --machine wheel_loader --out m.toml",
+            "; functions.lift.pilot: kept; the log has no voltage with a spool that follows it; ",
         ),
     ],
 )

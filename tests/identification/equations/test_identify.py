@@ -226,7 +226,7 @@ def test_logs_of_two_rasters_are_refused_and_a_slow_one_is_told_to_say_little_of
 def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
     with pytest.raises(
         InputError,
-        match="determines nothing of this machine; functions.swing.pilot: kept; .*the log has no swing.spool.*; "
+        match="determines nothing of this machine; .*circuits.series: kept; the log has no swing.spool.*; functions.swing.pilot: kept; .*; "
         "masses and friction from pressures: kept; .*no column 'swing.p_a'.*; through simulation: kept; the log has no swing.voltage",
     ):
         identify(without(log, ".spool", ".p_a", ".voltage"), rough(true))
