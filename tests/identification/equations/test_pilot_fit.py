@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from polydraulic import random_operator
+from helpers.piloted_spool import RASTER, TRAVEL, TRUE, spool_log
 from polydraulic.identification.equations.pilot_fit import (
     Jets,
     fit_pilot,
@@ -12,18 +12,10 @@ from polydraulic.identification.equations.pilot_fit import (
 from polydraulic.identification.equations.spool_motion import SpoolEffects, driven_spool, pieces_of
 from polydraulic.parameters.schema import Pilot
 
-TRUE = Pilot(0.014, 0.2, 0.06)
-TRAVEL, RASTER = 0.0143, 0.02
-
 
 @pytest.fixture(scope="module")
 def log():
-    time = np.arange(6000) * RASTER
-    segment = (time > 70.0).astype(int)
-    voltage = np.ascontiguousarray(random_operator(3, 130.0, limit=1.1).voltages(time)[:, 1])
-    exact = driven_spool(TRUE, TRAVEL, time, pieces_of(np.zeros(len(time))), voltage, np.zeros(len(time)), RASTER)
-    measured = exact + np.random.default_rng(1).normal(0.0, 4e-5, len(time))
-    return time, segment, voltage, exact, measured
+    return spool_log()
 
 
 def test_a_pilot_is_found_with_its_dead_time(log):

@@ -3,22 +3,13 @@
 import numpy as np
 import pytest
 
-from polydraulic import random_operator
+from helpers.piloted_spool import RASTER, TRAVEL, TRUE, spool_log
 from polydraulic.identification.equations.spool_motion import driven_spool, pieces_of, smooth_spool
-from polydraulic.parameters.schema import Pilot
-
-TRUE = Pilot(0.014, 0.2, 0.06)
-TRAVEL, RASTER = 0.0143, 0.02
 
 
 @pytest.fixture(scope="module")
 def log():
-    time = np.arange(6000) * RASTER
-    segment = (time > 70.0).astype(int)
-    voltage = np.ascontiguousarray(random_operator(3, 130.0, limit=1.1).voltages(time)[:, 1])
-    exact = driven_spool(TRUE, TRAVEL, time, pieces_of(np.zeros(len(time))), voltage, np.zeros(len(time)), RASTER)
-    measured = exact + np.random.default_rng(1).normal(0.0, 4e-5, len(time))
-    return time, segment, voltage, exact, measured
+    return spool_log()
 
 
 @pytest.mark.parametrize("dead_time", [0.0, 0.003, 0.02, 0.027, 0.06])
